@@ -1,0 +1,1 @@
+//! oxplow: what a person looks at: verification of a log, status, pictures.

@@ -1,0 +1,15 @@
+//! The coordinator: decides who covers what, grants space, replans, keeps the ledger.
+//!
+//! [`Coordinator`] is a state machine without I/O: [`Coordinator::handle`] takes one [`Input`] at a time and
+//! returns what has to be done about it. `driver.rs` is the only file with zenoh, tokio and a clock.
+
+mod config;
+mod coordinator;
+mod input;
+mod output;
+pub mod recorder;
+
+pub use config::{Config, Mission, Timing};
+pub use coordinator::Coordinator;
+pub use input::Input;
+pub use output::{Output, PlanRequest, Publication};

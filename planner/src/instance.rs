@@ -1,0 +1,188 @@
+//! What is to be covered, by whom, from where.
+
+use terrain::{Cell, Floor, MotionModel, Point};
+use thiserror::Error;
+
+/// When a robot's time ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Mode {
+    /// With the last cell covered.
+    Cover,
+    /// Back at its start.
+    CoverAndReturn,
+}
+
+/// Where a robot starts. Robots are numbered by their place in [`Instance::starts`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Start {
+    /// The drivable cell its route begins in.
+    pub cell: Cell,
+    /// Heading, radians; `None` when the first turn is free.
+    pub heading_rad: Option<f64>,
+    /// Seconds until it can begin (still driving what was released before, charging, …).
+    pub available_in_s: f64,
+    /// Metres it can still drive on its battery, if that is a limit.
+    pub range_m: Option<f64>,
+}
+
+impl Start {
+    /// A robot at rest in a cell, ready now, with no limit.
+    pub const fn at(cell: Cell) -> Self {
+        Self { cell, heading_rad: None, available_in_s: 0.0, range_m: None }
+    }
+}
+
+/// Any state of a mission that can be planned for. `visit` and `blocked` are row-major by cell of the floor's
+/// lattice.
+#[derive(Debug, Clone)]
+pub struct Instance<'a> {
+    /// The floor: where a body can stand and move.
+    pub floor: &'a Floor,
+    /// Cells whose centre must be passed with the tool on.
+    pub visit: Vec<bool>,
+    /// Cells that must not be entered now (blockages, quarantine). A start may lie in one: it may be left.
+    pub blocked: Vec<bool>,
+    /// Where the robots are.
+    pub starts: Vec<Start>,
+    /// How fast they are.
+    pub motion: MotionModel,
+    /// When they are done.
+    pub mode: Mode,
+    /// Chargers, as cells.
+    pub stations: Vec<Cell>,
+}
+
+/// Why an instance is not sound.
+#[derive(Debug, Clone, Error, PartialEq)]
+pub enum InstanceError {
+    /// Nobody to drive.
+    #[error("there is no robot")]
+    NoRobots,
+    /// Nothing to do.
+    #[error("there is no cell to cover")]
+    NothingToCover,
+    /// A robot's start is not drivable.
+    #[error("robot {robot} starts in cell {cell}, where its body does not fit")]
+    StartBlocked {
+        /// Number of the robot.
+        robot: usize,
+        /// Its cell.
+        cell: Cell,
+    },
+    /// A cell to visit is not drivable.
+    #[error("cell {0} is to be visited, but no body fits there")]
+    VisitBlocked(Cell),
+    /// A list does not fit the lattice.
+    #[error("`{list}` has {found} entries; the lattice has {expected} cells")]
+    WrongLength {
+        /// Which list.
+        list: &'static str,
+        /// Its length.
+        found: usize,
+        /// The lattice's.
+        expected: usize,
+    },
+    /// A speed or acceleration that is no positive number.
+    #[error("`{0}` of the motion model is not a number above 0")]
+    Motion(&'static str),
+}
+
+impl<'a> Instance<'a> {
+    /// All drivable cells of a floor that can be reached from some start, to be covered by robots at rest.
+    pub fn whole_floor(floor: &'a Floor, starts: Vec<Start>, motion: MotionModel, mode: Mode) -> Self {
+        let blocked = vec![false; floor.lattice().len()];
+        let mut instance =
+            Self { floor, visit: blocked.clone(), blocked, starts, motion, mode, stations: Vec::new() };
+        instance.visit = instance.reachable();
+        instance
+    }
+
+    /// Whether a robot may stand in a cell now.
+    pub fn is_open(&self, cell: Cell) -> bool {
+        self.floor
+            .lattice()
+            .index(cell)
+            .is_some_and(|index| self.floor.is_drivable(index) && !self.blocked[index])
+    }
+
+    /// The cells one move away that may be entered now.
+    pub fn neighbours(&self, cell: Cell) -> impl Iterator<Item = Cell> + '_ {
+        self.floor.neighbours(cell).filter(|&next| self.is_open(next))
+    }
+
+    /// Row-major: the cells that some robot can reach (its own start included).
+    pub fn reachable(&self) -> Vec<bool> {
+        let lattice = self.floor.lattice();
+        let mut reached = vec![false; lattice.len()];
+        let mut stack: Vec<Cell> = Vec::new();
+        for start in &self.starts {
+            if let Some(index) = lattice.index(start.cell).filter(|&index| self.floor.is_drivable(index)) {
+                reached[index] = true;
+                stack.push(start.cell);
+            }
+        }
+        while let Some(cell) = stack.pop() {
+            for next in self.neighbours(cell) {
+                let index = lattice.index(next).expect("a neighbour is on the lattice");
+                if !reached[index] {
+                    reached[index] = true;
+                    stack.push(next);
+                }
+            }
+        }
+        reached
+    }
+
+    /// Centre of a cell, metres.
+    pub fn center(&self, cell: Cell) -> Point {
+        self.floor.lattice().center(cell)
+    }
+
+    /// Refuses what no planner could plan.
+    ///
+    /// # Errors
+    ///
+    /// [`InstanceError`], naming the first robot, cell or list that is wrong.
+    pub fn check(&self) -> Result<(), InstanceError> {
+        let lattice = self.floor.lattice();
+        for (list, found) in [("visit", self.visit.len()), ("blocked", self.blocked.len())] {
+            if found != lattice.len() {
+                return Err(InstanceError::WrongLength { list, found, expected: lattice.len() });
+            }
+        }
+        check_motion(&self.motion)?;
+        if self.starts.is_empty() {
+            return Err(InstanceError::NoRobots);
+        }
+        for (robot, start) in self.starts.iter().enumerate() {
+            if !self.floor.cell_is_drivable(start.cell) {
+                return Err(InstanceError::StartBlocked { robot, cell: start.cell });
+            }
+        }
+        if !self.visit.contains(&true) {
+            return Err(InstanceError::NothingToCover);
+        }
+        match (0..lattice.len()).find(|&index| self.visit[index] && !self.floor.is_drivable(index)) {
+            Some(index) => Err(InstanceError::VisitBlocked(lattice.cell(index))),
+            None => Ok(()),
+        }
+    }
+}
+
+fn check_motion(motion: &MotionModel) -> Result<(), InstanceError> {
+    let positive = |value: f64| value > 0.0 && value.is_finite();
+    if !positive(motion.speed_m_per_s) {
+        return Err(InstanceError::Motion("speed_m_per_s"));
+    }
+    if !positive(motion.acceleration_m_per_s2) {
+        return Err(InstanceError::Motion("acceleration_m_per_s2"));
+    }
+    if !positive(motion.angular_speed_rad_per_s) {
+        return Err(InstanceError::Motion("angular_speed_rad_per_s"));
+    }
+    // Infinite is allowed: turns that start and stop at once.
+    if motion.angular_acceleration_rad_per_s2.is_nan() || motion.angular_acceleration_rad_per_s2 <= 0.0 {
+        return Err(InstanceError::Motion("angular_acceleration_rad_per_s2"));
+    }
+    Ok(())
+}

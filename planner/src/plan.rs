@@ -1,0 +1,48 @@
+//! A plan: one route per robot.
+
+use crate::Figures;
+use terrain::Point;
+
+/// One robot's ordered places, metres in the map frame. The first is the centre of its start cell. An empty
+/// route means: stay.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Route {
+    /// The places, in the order of driving; straight lines between them.
+    pub points: Vec<Point>,
+}
+
+/// One route per robot, in the order of the instance's starts.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Plan {
+    /// The routes.
+    pub routes: Vec<Route>,
+}
+
+/// A plan that stood the test of [`crate::verify()`]: the only plan that can be driven.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VerifiedPlan {
+    plan: Plan,
+    figures: Figures,
+    planner: &'static str,
+}
+
+impl VerifiedPlan {
+    pub(crate) fn new(plan: Plan, figures: Figures, planner: &'static str) -> Self {
+        Self { plan, figures, planner }
+    }
+
+    /// The routes, in the order of the instance's starts.
+    pub fn routes(&self) -> &[Route] {
+        &self.plan.routes
+    }
+
+    /// What verify measured.
+    pub fn figures(&self) -> &Figures {
+        &self.figures
+    }
+
+    /// Name of the planner that made it.
+    pub fn planner(&self) -> &'static str {
+        self.planner
+    }
+}

@@ -1,0 +1,27 @@
+//! The table of planners. A new one is one file and one row here.
+
+use crate::{Instance, Plan, PlanError, PlanOptions};
+
+/// One row of the table.
+#[derive(Debug, Clone, Copy)]
+pub struct Planner {
+    /// Name in options, scenarios and `--help`.
+    pub name: &'static str,
+    /// Where it comes from.
+    pub paper: &'static str,
+    /// Plans; the result is not yet verified.
+    pub plan: fn(&Instance<'_>, &PlanOptions) -> Result<Plan, PlanError>,
+}
+
+/// Every planner, in the order of the README's table.
+pub const PLANNERS: &[Planner] = &[];
+
+/// The row with this name.
+pub fn by_name(name: &str) -> Option<&'static Planner> {
+    PLANNERS.iter().find(|planner| planner.name == name)
+}
+
+/// All names, for messages.
+pub fn names() -> String {
+    PLANNERS.iter().map(|planner| planner.name).collect::<Vec<_>>().join(", ")
+}

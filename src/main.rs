@@ -1,0 +1,2 @@
+//! The `oxplow` command.
+fn main() {}

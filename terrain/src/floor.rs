@@ -1,0 +1,257 @@
+//! The floor as one kind of robot sees it: where its body can stand and move on the lattice, and what of each
+//! cell its tool can reach.
+//!
+//! ```text
+//!   ######        a cell is drivable when a disc of the body's radius fits at its centre;
+//!   #....#        a move to the next cell is open when the disc fits all along the way;
+//!   #.##.#        a sample is required when it is free and within the tool's radius of a
+//!   ######        drivable cell's centre: only that can ever be covered, and all of that must be.
+//! ```
+
+use crate::{
+    Cell, Direction, GridMap, Lattice, Point, Segment,
+    footprint::{SAMPLES_PER_CELL, sample_point, samples_within},
+};
+use thiserror::Error;
+
+/// The most cells a lattice may have.
+pub const CELLS_MAX: u64 = 16 << 20;
+
+/// What a cell is, before any robot moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CellClass {
+    /// Some of it can be swept.
+    Coverable,
+    /// It has free ground, but no place from which the tool reaches it.
+    TooNarrow,
+    /// It has no free ground.
+    Obstacle,
+}
+
+/// Why a floor cannot be laid out.
+#[derive(Debug, Clone, Error, PartialEq)]
+pub enum FloorError {
+    /// A length that is not a finite number above 0.
+    #[error("`{key}` is {value}: expected a finite length above 0 m")]
+    Length {
+        /// The key in the scenario or option.
+        key: &'static str,
+        /// What it said.
+        value: f64,
+    },
+    /// More cells than we take.
+    #[error("cells of {cell_m} m give {cells} cells; at most {CELLS_MAX} are taken: choose larger cells")]
+    TooManyCells {
+        /// Side of a cell.
+        cell_m: f64,
+        /// How many there would be.
+        cells: u64,
+    },
+    /// The body fits nowhere.
+    #[error(
+        "a body of radius {body_radius_m} m fits nowhere on this map (cells of {cell_m} m): every passage is too narrow"
+    )]
+    NothingDrivable {
+        /// Radius of the body.
+        body_radius_m: f64,
+        /// Side of a cell.
+        cell_m: f64,
+    },
+}
+
+/// The lattice with what one kind of robot can do on it. Row-major `Vec`s by cell.
+#[derive(Debug, Clone)]
+pub struct Floor {
+    lattice: Lattice,
+    body_radius_m: f64,
+    tool_width_m: f64,
+    drivable: Vec<bool>,
+    moves: Vec<u8>,
+    required: Vec<u64>,
+    classes: Vec<CellClass>,
+}
+
+impl Floor {
+    /// Lays cells of side `cell_m` over a map for a disc-shaped body and a tool of diameter `tool_width_m`.
+    ///
+    /// # Errors
+    ///
+    /// [`FloorError`] when a length is not one, there are too many cells, or the body fits nowhere.
+    pub fn new(
+        map: &GridMap,
+        cell_m: f64,
+        body_radius_m: f64,
+        tool_width_m: f64,
+    ) -> Result<Self, FloorError> {
+        for (key, value) in
+            [("cell_m", cell_m), ("body_radius_m", body_radius_m), ("tool_width_m", tool_width_m)]
+        {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(FloorError::Length { key, value });
+            }
+        }
+        let lattice = lattice_over(map, cell_m)?;
+        let drivable: Vec<bool> =
+            lattice.cells().map(|cell| map.disc_is_free(lattice.center(cell), body_radius_m)).collect();
+        if !drivable.contains(&true) {
+            return Err(FloorError::NothingDrivable { body_radius_m, cell_m });
+        }
+        let moves = open_moves(map, &lattice, &drivable, body_radius_m);
+        let (required, classes) = required_samples(map, &lattice, &drivable, tool_width_m / 2.0);
+        Ok(Self { lattice, body_radius_m, tool_width_m, drivable, moves, required, classes })
+    }
+
+    /// A floor straight from cells, where each free cell can be driven and is required whole: the grid of the
+    /// papers. `free` is row-major from the bottom.
+    pub fn from_cells(lattice: Lattice, free: &[bool], body_radius_m: f64, tool_width_m: f64) -> Self {
+        assert_eq!(free.len(), lattice.len(), "one value per cell");
+        let open = |cell: Cell| lattice.index(cell).is_some_and(|index| free[index]);
+        let moves = lattice
+            .cells()
+            .map(|cell| {
+                Direction::ALL
+                    .into_iter()
+                    .filter(|&direction| open(cell) && open(cell.step(direction)))
+                    .fold(0, |bits, direction| bits | 1 << direction as u8)
+            })
+            .collect();
+        let required = free.iter().map(|&free| if free { u64::MAX } else { 0 }).collect();
+        let classes =
+            free.iter().map(|&free| if free { CellClass::Coverable } else { CellClass::Obstacle }).collect();
+        Self { lattice, body_radius_m, tool_width_m, drivable: free.to_vec(), moves, required, classes }
+    }
+
+    /// The lattice.
+    pub fn lattice(&self) -> &Lattice {
+        &self.lattice
+    }
+
+    /// Radius of the body, metres.
+    pub fn body_radius_m(&self) -> f64 {
+        self.body_radius_m
+    }
+
+    /// Diameter of the tool's disc, metres.
+    pub fn tool_width_m(&self) -> f64 {
+        self.tool_width_m
+    }
+
+    /// Whether the body can stand at the centre of the cell with this number.
+    pub fn is_drivable(&self, index: usize) -> bool {
+        self.drivable[index]
+    }
+
+    /// Whether the body can stand at the centre of a cell.
+    pub fn cell_is_drivable(&self, cell: Cell) -> bool {
+        self.lattice.index(cell).is_some_and(|index| self.drivable[index])
+    }
+
+    /// Whether the body can drive straight from a cell to the next one.
+    pub fn can_move(&self, cell: Cell, direction: Direction) -> bool {
+        self.lattice.index(cell).is_some_and(|index| self.moves[index] >> (direction as u8) & 1 == 1)
+    }
+
+    /// The cells that can be reached from a cell with one straight move, anticlockwise from east.
+    pub fn neighbours(&self, cell: Cell) -> impl Iterator<Item = Cell> + '_ {
+        Direction::ALL.into_iter().filter(move |&way| self.can_move(cell, way)).map(move |way| cell.step(way))
+    }
+
+    /// The samples of a cell that can be swept and must be.
+    pub fn required(&self, index: usize) -> u64 {
+        self.required[index]
+    }
+
+    /// What a cell is before any robot moves.
+    pub fn class(&self, index: usize) -> CellClass {
+        self.classes[index]
+    }
+
+    /// Area that can be swept, square metres.
+    pub fn coverable_m2(&self) -> f64 {
+        let samples: u64 = self.required.iter().map(|samples| u64::from(samples.count_ones())).sum();
+        crate::SweptRaster::area_m2(&self.lattice, samples)
+    }
+
+    /// The drivable cell nearest to a point whose straight way from there is free for the body, if any is
+    /// within 1.5 cells.
+    pub fn nearest_drivable(&self, map: &GridMap, point: Point) -> Option<Cell> {
+        let reach = 1.5 * self.lattice.cell_m;
+        let low = Point::new(point.x - reach, point.y - reach);
+        let high = Point::new(point.x + reach, point.y + reach);
+        let distance = |cell: Cell| (self.lattice.center(cell) - point).norm();
+        let mut candidates: Vec<Cell> = self
+            .lattice
+            .cells_in_box(low, high)
+            .filter(|&cell| self.cell_is_drivable(cell) && distance(cell) <= reach)
+            .collect();
+        candidates.sort_by(|&a, &b| distance(a).total_cmp(&distance(b)).then(a.cmp(&b)));
+        candidates.into_iter().find(|&cell| {
+            map.capsule_is_free(Segment::new(point, self.lattice.center(cell)), self.body_radius_m - 0.005)
+        })
+    }
+}
+
+fn lattice_over(map: &GridMap, cell_m: f64) -> Result<Lattice, FloorError> {
+    let size = map.corner() - map.origin();
+    let count = |length: f64| ((length / cell_m) - 1e-6).ceil().max(1.0);
+    let (columns, rows) = (count(size.x), count(size.y));
+    if columns * rows > CELLS_MAX as f64 {
+        return Err(FloorError::TooManyCells { cell_m, cells: (columns * rows) as u64 });
+    }
+    Ok(Lattice { origin: map.origin(), cell_m, columns: columns as u32, rows: rows as u32 })
+}
+
+fn open_moves(map: &GridMap, lattice: &Lattice, drivable: &[bool], body_radius_m: f64) -> Vec<u8> {
+    let mut moves = vec![0_u8; lattice.len()];
+    for cell in lattice.cells() {
+        for direction in [Direction::East, Direction::North] {
+            let next = cell.step(direction);
+            let (Some(from), Some(to)) = (lattice.index(cell), lattice.index(next)) else { continue };
+            let way = Segment::new(lattice.center(cell), lattice.center(next));
+            if drivable[from] && drivable[to] && map.capsule_is_free(way, body_radius_m) {
+                moves[from] |= 1 << direction as u8;
+                moves[to] |= 1 << direction.opposite() as u8;
+            }
+        }
+    }
+    moves
+}
+
+fn required_samples(
+    map: &GridMap,
+    lattice: &Lattice,
+    drivable: &[bool],
+    tool_radius_m: f64,
+) -> (Vec<u64>, Vec<CellClass>) {
+    let mut reachable = vec![0_u64; lattice.len()];
+    for cell in lattice.cells().filter(|&cell| lattice.index(cell).is_some_and(|index| drivable[index])) {
+        let center = lattice.center(cell);
+        let low = Point::new(center.x - tool_radius_m, center.y - tool_radius_m);
+        let high = Point::new(center.x + tool_radius_m, center.y + tool_radius_m);
+        for near in lattice.cells_in_box(low, high) {
+            if let Some(index) = lattice.index(near) {
+                reachable[index] |=
+                    samples_within(lattice, near, Segment::new(center, center), tool_radius_m);
+            }
+        }
+    }
+    let mut required = vec![0_u64; lattice.len()];
+    let mut classes = vec![CellClass::Obstacle; lattice.len()];
+    for cell in lattice.cells() {
+        let Some(index) = lattice.index(cell) else { continue };
+        let free = free_samples(map, lattice, cell);
+        required[index] = free & reachable[index];
+        classes[index] = match (free, required[index]) {
+            (0, _) => CellClass::Obstacle,
+            (_, 0) => CellClass::TooNarrow,
+            _ => CellClass::Coverable,
+        };
+    }
+    (required, classes)
+}
+
+fn free_samples(map: &GridMap, lattice: &Lattice, cell: Cell) -> u64 {
+    (0..SAMPLES_PER_CELL)
+        .filter(|&bit| map.point_is_free(sample_point(lattice, cell, bit)))
+        .fold(0, |samples, bit| samples | 1 << bit)
+}
