@@ -9,7 +9,7 @@ mod input;
 mod output;
 pub mod recorder;
 
-pub use config::{Config, Mission, Timing};
+pub use config::{Config, Mission, Station, Timing};
 pub use coordinator::Coordinator;
 pub use input::Input;
 pub use output::{Output, PlanRequest, Publication};
