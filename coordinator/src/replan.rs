@@ -436,10 +436,10 @@ impl Coordinator {
     fn transfers(&self, flight: &InFlight) -> Vec<v1::CellTransfer> {
         let mut counts: BTreeMap<(Option<RobotIndex>, RobotIndex), u32> = BTreeMap::new();
         for (&index, &before) in &flight.owners {
-            if let Status::Assigned(after) = self.ledger.status(index) {
-                if before != Some(after) {
-                    *counts.entry((before, after)).or_default() += 1;
-                }
+            if let Status::Assigned(after) = self.ledger.status(index)
+                && before != Some(after)
+            {
+                *counts.entry((before, after)).or_default() += 1;
             }
         }
         let name =

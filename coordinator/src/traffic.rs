@@ -158,10 +158,10 @@ impl Coordinator {
             return;
         }
         for index in 0..self.robots.len() {
-            if let Some(first) = self.waits_long(now, index) {
-                if self.resolve(now, index, first) {
-                    return; // one at a time: the others look again with what has changed
-                }
+            if let Some(on) = self.waits_long(now, index)
+                && self.resolve(now, index, on)
+            {
+                return; // one at a time: the others look again with what has changed
             }
         }
     }
@@ -225,7 +225,7 @@ impl Coordinator {
             return false;
         }
         let has_way = !robot.route.is_done() && robot.wait.is_none() && robot.hold.is_none();
-        has_way && robot.obstacle_since.is_none() || now.secs_since(robot.moved_at) < 1.0 && has_way
+        has_way && (robot.obstacle_since.is_none() || now.secs_since(robot.moved_at) < 1.0)
     }
 
     fn break_ring(&mut self, now: Timestamp, ring: &[RobotIndex]) -> bool {

@@ -39,14 +39,14 @@ pub(crate) struct Zone {
 /// All zones, and a count of zones by cell.
 #[derive(Debug, Default)]
 pub(crate) struct Zones {
-    zones: Vec<Zone>,
+    list: Vec<Zone>,
     blocked: Vec<u16>,
     next_id: u64,
 }
 
 impl Zones {
     pub(crate) fn new(cells: usize) -> Self {
-        Self { zones: Vec::new(), blocked: vec![0; cells], next_id: 1 }
+        Self { list: Vec::new(), blocked: vec![0; cells], next_id: 1 }
     }
 
     /// Whether a cell lies in some zone.
@@ -56,15 +56,15 @@ impl Zones {
 
     /// The zone that holds a cell.
     pub(crate) fn at(&self, index: usize) -> Option<&Zone> {
-        self.zones.iter().find(|zone| zone.cells.contains(&index))
+        self.list.iter().find(|zone| zone.cells.contains(&index))
     }
 
     pub(crate) fn iter(&self) -> impl Iterator<Item = &Zone> {
-        self.zones.iter()
+        self.list.iter()
     }
 
     pub(crate) fn get_mut(&mut self, id: u64) -> Option<&mut Zone> {
-        self.zones.iter_mut().find(|zone| zone.id == id)
+        self.list.iter_mut().find(|zone| zone.id == id)
     }
 
     /// Adds a zone; cells of it that are known already stay with the older zone. Returns its id, or `None` when
@@ -86,7 +86,7 @@ impl Zones {
         }
         let id = self.next_id;
         self.next_id += 1;
-        self.zones.push(Zone {
+        self.list.push(Zone {
             id,
             kind,
             cells,
@@ -102,7 +102,7 @@ impl Zones {
     /// Drops the zones that a robot left behind when it was lost; it is back.
     pub(crate) fn forget_quarantine_of(&mut self, robot: &str) -> bool {
         let theirs = |zone: &Zone| zone.kind == ZoneType::ZoneQuarantine && zone.cause == robot;
-        let ids: Vec<u64> = self.zones.iter().filter(|zone| theirs(zone)).map(|zone| zone.id).collect();
+        let ids: Vec<u64> = self.list.iter().filter(|zone| theirs(zone)).map(|zone| zone.id).collect();
         for &id in &ids {
             self.remove(id);
         }
@@ -110,8 +110,8 @@ impl Zones {
     }
 
     fn remove(&mut self, id: u64) {
-        if let Some(at) = self.zones.iter().position(|zone| zone.id == id) {
-            for index in self.zones.remove(at).cells {
+        if let Some(at) = self.list.iter().position(|zone| zone.id == id) {
+            for index in self.list.remove(at).cells {
                 self.blocked[index] -= 1;
             }
         }
@@ -127,7 +127,7 @@ impl Zones {
     ) -> Vec<usize> {
         let eye = Point::new(from.x_m, from.y_m);
         let mut freed = Vec::new();
-        for zone in self.zones.iter_mut().filter(|zone| now >= zone.locked_until) {
+        for zone in self.list.iter_mut().filter(|zone| now >= zone.locked_until) {
             let sees = |index: &usize| {
                 let center = floor.lattice().center(floor.lattice().cell(*index));
                 is_seen_free(eye, from.theta_rad, scan, center, floor.body_radius_m())
@@ -139,7 +139,7 @@ impl Zones {
                 freed.push(index);
             }
         }
-        self.zones.retain(|zone| !zone.cells.is_empty());
+        self.list.retain(|zone| !zone.cells.is_empty());
         freed
     }
 
@@ -149,7 +149,7 @@ impl Zones {
             let center = floor.lattice().center(floor.lattice().cell(index));
             v1::Point { x_m: center.x, y_m: center.y }
         };
-        self.zones
+        self.list
             .iter()
             .map(|zone| v1::Zone {
                 zone_id: zone.id,
