@@ -5,7 +5,8 @@ use std::{collections::BTreeSet, fs, path::Path, process::Command};
 /// Crates that do I/O: nobody pure may depend on them, however indirectly.
 const IO_CRATES: &[&str] = &["zenoh", "iceoryx2", "tokio"];
 /// Words by which a file does I/O or reads a clock.
-const IO_WORDS: &[&str] = &["zenoh::", "iceoryx2::", "tokio::", "Instant::now", "SystemTime::now", "thread::sleep"];
+const IO_WORDS: &[&str] =
+    &["zenoh::", "iceoryx2::", "tokio::", "Instant::now", "SystemTime::now", "thread::sleep"];
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -36,19 +37,28 @@ fn assert_knows_none_of(package: &str, forbidden: &[&str]) {
 #[test]
 fn terrain_knows_nobody() {
     assert_knows_none_of("terrain", IO_CRATES);
-    assert_knows_none_of("terrain", &["planner", "protocol", "coordinator", "agent", "sim", "console", "oxplow"]);
+    assert_knows_none_of(
+        "terrain",
+        &["planner", "protocol", "coordinator", "agent", "sim", "console", "oxplow"],
+    );
 }
 
 #[test]
 fn planner_knows_only_terrain() {
     assert_knows_none_of("planner", IO_CRATES);
-    assert_knows_none_of("planner", &["protocol", "coordinator", "agent", "sim", "console", "oxplow", "mcap"]);
+    assert_knows_none_of(
+        "planner",
+        &["protocol", "coordinator", "agent", "sim", "console", "oxplow", "mcap"],
+    );
 }
 
 #[test]
 fn protocol_is_data_only() {
     assert_knows_none_of("protocol", IO_CRATES);
-    assert_knows_none_of("protocol", &["terrain", "planner", "coordinator", "agent", "sim", "console", "oxplow"]);
+    assert_knows_none_of(
+        "protocol",
+        &["terrain", "planner", "coordinator", "agent", "sim", "console", "oxplow"],
+    );
 }
 
 #[test]
@@ -76,7 +86,8 @@ fn only_drivers_do_io() {
                 return;
             }
             for word in IO_WORDS {
-                let used = text.lines().any(|line| line.contains(word) && !line.trim_start().starts_with("//"));
+                let used =
+                    text.lines().any(|line| line.contains(word) && !line.trim_start().starts_with("//"));
                 assert!(!used, "{} uses {word}, which only driver.rs may", file.display());
             }
         });
