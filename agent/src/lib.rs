@@ -4,5 +4,13 @@
 //! to be done about it. `driver.rs` is the only file with zenoh, iceoryx2 and a clock.
 
 mod agent;
+mod base;
+mod lease;
+mod localisation;
+mod obstacle_watch;
+mod order_book;
+mod path_follower;
+mod sweep_log;
 
 pub use agent::{Agent, Input, Output};
+pub use base::{Base, BaseError};
