@@ -11,7 +11,7 @@
 //! it with virtual time. The same records at the same times give the same bytes. A chunk is written whole by each
 //! flush, so a file that was cut off by `kill -9` reads well up to the last flush.
 //!
-//! Time in the log is mission time after a fixed day ([`EPOCH_NS`]): viewers show dates, and two runs of one seed
+//! Time in the log is mission time after a fixed day ([`protocol::LOG_EPOCH_NS`]): viewers show dates, and two runs of one seed
 //! can be compared byte for byte.
 
 mod grid_picture;
@@ -39,9 +39,6 @@ use schemas::ours;
 use std::collections::BTreeMap;
 use std::io::Write;
 use terrain::GridMap;
-
-/// Start of the mission's clock in the log: 2026-01-01T00:00:00Z, in nanoseconds since 1970.
-pub const EPOCH_NS: u64 = 1_767_225_600_000_000_000;
 
 /// Larger maps are attached, not drawn.
 const MAP_SQUARES_MAX: u64 = 4 << 20;

@@ -1,4 +1,5 @@
 //! A small run, made up by hand, is recorded; strangers read it.
+#![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
 
 mod story;
 
@@ -49,4 +50,15 @@ fn a_log_cut_off_by_a_kill_is_read_up_to_the_last_flush() {
 #[test]
 fn the_same_records_give_the_same_bytes() {
     assert!(story::recorded() == story::recorded());
+}
+
+#[test]
+fn a_picture_is_drawn_from_the_log_alone() {
+    let path = save("picture.mcap", &story::recorded());
+    let svg = console::picture_from_log(&path).unwrap();
+    std::fs::write(temporary("picture.svg"), &svg).unwrap();
+    assert!(svg.contains("100.0 % covered"), "{svg}");
+    assert!(svg.contains("<title>covered by r1</title>"));
+    assert!(svg.contains("<title>blocked, from r1</title>"));
+    assert_eq!(svg.matches("<polyline").count(), 2);
 }
