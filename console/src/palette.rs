@@ -2,8 +2,22 @@
 
 /// Colour of the robot with this number, as SVG writes it.
 pub(crate) fn robot(number: usize) -> String {
-    let hue = 32.0 + (0.58 + number as f64 * 0.618_034).fract() * 283.0;
-    format!("hsl({hue:.0},62%,48%)")
+    robot_with_value(number, 0.82)
+}
+
+/// The same colour, darker: for what is drawn on top of it.
+pub(crate) fn robot_dark(number: usize) -> String {
+    robot_with_value(number, 0.55)
+}
+
+fn robot_with_value(number: usize, value: f64) -> String {
+    let hue_deg = 32.0 + (0.58 + number as f64 * 0.618_034).fract() * 283.0;
+    let channel = |offset: f64| {
+        let k = (offset + hue_deg / 60.0) % 6.0;
+        let level = value - value * 0.72 * k.min(4.0 - k).clamp(0.0, 1.0);
+        (level * 255.0).round() as u8
+    };
+    format!("#{:02x}{:02x}{:02x}", channel(5.0), channel(3.0), channel(1.0))
 }
 
 pub(crate) const NOT_YET: &str = "#c9c9c9";

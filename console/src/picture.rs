@@ -168,7 +168,8 @@ impl Picture {
 
     fn draw_trails(&self, canvas: &mut Canvas) {
         for (robot, trail) in &self.trails {
-            canvas.line(trail.points(), &self.colour_of(robot), 0.15 * self.body_radius_m);
+            let colour = palette::robot_dark(self.number_of(robot));
+            canvas.line(trail.points(), &colour, 0.15 * self.body_radius_m);
         }
     }
 
@@ -185,13 +186,13 @@ impl Picture {
             let Some(pose) = robot.pose else { continue };
             let place = Point::new(pose.x_m, pose.y_m);
             let id = &robot.serial_number;
-            canvas.disc(place, self.body_radius_m, &self.colour_of(id), id);
+            canvas.disc(place, self.body_radius_m, &palette::robot(self.number_of(id)), id);
             canvas.label(place, id);
         }
     }
 
-    fn colour_of(&self, robot: &str) -> String {
-        palette::robot(self.ledger.robots().iter().position(|known| known == robot).unwrap_or(0))
+    fn number_of(&self, robot: &str) -> usize {
+        self.ledger.robots().iter().position(|known| known == robot).unwrap_or(0)
     }
 
     fn legend(&self) -> Vec<(String, String)> {

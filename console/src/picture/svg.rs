@@ -81,12 +81,10 @@ impl Canvas {
     /// A small text beside a place.
     pub(super) fn label(&mut self, place: Point, text: &str) {
         let (x, y) = self.px(place);
-        let (x, y) = (x + 6.0, y - 6.0);
-        self.add(&format!(
-            "<text x=\"{x:.1}\" y=\"{y:.1}\" font-size=\"12\" stroke=\"#fff\" stroke-width=\"3\" \
-             paint-order=\"stroke\">{}</text>",
-            escape(text)
-        ));
+        let (x, y, text) = (x + 6.0, y - 6.0, escape(text));
+        for halo in [" stroke=\"#fff\" stroke-width=\"3\"", ""] {
+            self.add(&format!("<text x=\"{x:.1}\" y=\"{y:.1}\" font-size=\"12\"{halo}>{text}</text>"));
+        }
     }
 
     fn add(&mut self, element: &str) {
