@@ -3,11 +3,24 @@
 //! [`Coordinator`] is a state machine without I/O: [`Coordinator::handle`] takes one [`Input`] at a time and
 //! returns what has to be done about it. `driver.rs` is the only file with zenoh, tokio and a clock.
 
+mod announce;
+mod blockage;
+mod charging;
 mod config;
 mod coordinator;
+mod ending;
+mod energy;
 mod input;
+mod ledger;
 mod output;
+mod presence;
 pub mod recorder;
+mod replan;
+mod robot;
+mod route;
+mod traffic;
+mod way;
+mod zones;
 
 pub use config::{Config, Mission, Station, Timing};
 pub use coordinator::Coordinator;

@@ -24,7 +24,7 @@ mod segment;
 
 pub use cell::{Cell, Direction};
 pub use floor::{CellClass, Floor, FloorError};
-pub use footprint::{SAMPLES_PER_CELL, SweptRaster};
+pub use footprint::{SAMPLES_PER_CELL, SweptRaster, samples_swept_from};
 pub use grid_map::{GridMap, MapError};
 pub use lattice::Lattice;
 pub use motion::{MotionModel, angle_between};

@@ -1,0 +1,565 @@
+//! How a mission begins and ends: muster, residual passes, looking again at what is blocked, and an honest end.
+//!
+//! A mission ends COMPLETED only when every cell that a tool can reach is swept. While a robot can reach an open
+//! cell, it is planned again (a residual pass). Open cells behind zones are looked at again, later and later,
+//! up to `looks_max` times a zone; only then are they given up, each with its reason.
+
+use crate::{
+    Coordinator, Output, Publication,
+    ledger::{RobotIndex, Status},
+    replan::Cause,
+    robot::{Errand, Phase},
+    route::Ending,
+    way,
+};
+use protocol::{
+    Timestamp,
+    v1::{self, EventLevel, InstantActionType, MissionState, ReplanCause, UnreachableReason, Verb},
+};
+use std::{collections::BTreeMap, time::Duration};
+use terrain::{Cell, Segment};
+
+/// A residual pass that covers nothing twice in a row shows that what is left cannot be swept.
+const FRUITLESS_MAX: u32 = 2;
+/// First wait before a zone is looked at again; doubled after each look.
+const LOOK_AGAIN_S: f64 = 15.0;
+/// From so near a scan shows whether a cell is free, metres.
+const LOOK_FROM_M: f64 = 1.3;
+/// Robots that had this much less to do than others make the fleet be planned anew, seconds.
+const IMBALANCE_S: f64 = 40.0;
+/// At least this long between two such plans.
+const REBALANCE_APART: Duration = Duration::from_secs(30);
+/// So long may the robots take home.
+const HOME_MAX_S: f64 = 300.0;
+
+/// What the checks for the end remember.
+#[derive(Debug, Default)]
+pub(crate) struct IdleChecks {
+    covered_before_pass: f64,
+    fruitless: u32,
+    rebalanced: Timestamp,
+    looked: Option<Timestamp>,
+    homeward: Option<Timestamp>,
+}
+
+impl IdleChecks {
+    /// The planner had nothing to plan at this moment.
+    pub(crate) fn look_at(&mut self, now: Timestamp) {
+        self.looked = Some(now);
+    }
+}
+
+impl Coordinator {
+    /// Begins when the expected fleet is there, or the wait for it is over.
+    pub(crate) fn check_start(&mut self, now: Timestamp) {
+        if self.mission_began.is_some() {
+            return;
+        }
+        let timing = &self.config.timing;
+        let ready = self.robots.iter().filter(|robot| robot.phase == Phase::Ready).count();
+        if ready == 0 {
+            let waited_s = self.started.map_or(0.0, |start| now.secs_since(start));
+            if waited_s > timing.join_timeout_s {
+                let text = format!(
+                    "no agent has joined within {:.0} s; start agents with `oxplow agent --id … --connect …`, \
+                     and check that they connect to this coordinator",
+                    timing.join_timeout_s
+                );
+                self.fail(now, &text);
+            }
+            return;
+        }
+        let all = self.robots.iter().all(|robot| robot.phase == Phase::Ready);
+        let waited_s = self.first_joined.map_or(0.0, |first| now.secs_since(first));
+        if all || waited_s > timing.muster_s {
+            self.mission_began = Some(now);
+            self.state = MissionState::Active;
+            let missing: Vec<&str> = self
+                .robots
+                .iter()
+                .filter(|robot| robot.phase != Phase::Ready)
+                .map(|robot| robot.id.as_str())
+                .collect();
+            let mut text = format!("{ready} robots");
+            if !missing.is_empty() {
+                text = format!("{text}, without {}", missing.join(", "));
+            }
+            self.need_plan(now, Cause::fleet(ReplanCause::CauseStart, &text));
+        }
+    }
+
+    /// Looks whether there is anything left to do, and what.
+    pub(crate) fn check_end(&mut self, now: Timestamp, _out: &mut Vec<Output>) {
+        if self.mission_began.is_none() || self.state == MissionState::Paused || self.replanning.is_busy() {
+            return;
+        }
+        self.check_abandoned(now);
+        if self.ended() {
+            return;
+        }
+        if self.ledger.open_cells().next().is_none() {
+            self.go_home_or_finish(now);
+        } else if self.all_routes_done() {
+            self.continue_with_what_is_left(now);
+        } else {
+            self.check_balance(now);
+        }
+    }
+
+    fn check_abandoned(&mut self, now: Timestamp) {
+        let alone_s = now.secs_since(self.last_healthy);
+        if !self.has_healthy_robot() && alone_s > self.config.timing.abandoned_after_s {
+            let open = self.ledger.open_cells().count();
+            if open == 0 {
+                self.finish(now);
+            } else {
+                let text = format!("no robot is left for {alone_s:.0} s; {open} cells are not covered");
+                self.give_up_all(UnreachableReason::NoRobotCapable);
+                self.fail(now, &text);
+            }
+        }
+    }
+
+    fn all_routes_done(&self) -> bool {
+        self.robots.iter().filter(|robot| robot.phase == Phase::Ready && !robot.stuck).all(|robot| {
+            let waits_for_ever =
+                robot.wait.is_some_and(|wait| matches!(wait.on, crate::robot::Blocker::Zone(_)));
+            robot.route.is_done() && robot.hold.is_none()
+                || matches!(robot.errand, Errand::Charging(_) | Errand::Queue(_))
+                || waits_for_ever
+        })
+    }
+
+    /// Every route is driven and something is left.
+    fn continue_with_what_is_left(&mut self, now: Timestamp) {
+        self.count_finished_looks(now);
+        let tried = self.idle_checks.looked.is_some_and(|at| now.secs_since(at) < 5.0);
+        if !tried && !self.coverers().is_empty() && self.residual_may_help() {
+            let text = format!("{} cells left", self.ledger.open_cells().count());
+            self.need_plan(now, Cause::fleet(ReplanCause::CauseResidual, &text));
+        } else if self.somebody_comes_back() {
+            // Charging robots take up the rest.
+        } else if self.look_at_zones(now) || self.zones_still_wait(now) {
+            // A robot is on its way to look, or will go again.
+        } else if self.has_healthy_robot() {
+            self.give_up_the_rest(now);
+        }
+    }
+
+    fn residual_may_help(&mut self) -> bool {
+        let covered = self.ledger.progress().covered_m2;
+        if covered > self.idle_checks.covered_before_pass + 1e-9 {
+            self.idle_checks.fruitless = 0;
+        }
+        self.idle_checks.covered_before_pass = covered;
+        self.idle_checks.fruitless += 1;
+        self.idle_checks.fruitless <= FRUITLESS_MAX
+    }
+
+    /// Whether robots that cannot work now will be able to later, by themselves.
+    fn somebody_comes_back(&self) -> bool {
+        let charges = |robot: &crate::robot::Robot| {
+            robot.phase == Phase::Ready
+                && matches!(robot.errand, Errand::Charging(_) | Errand::Queue(_) | Errand::ToStation(_))
+        };
+        let waits = |robot: &crate::robot::Robot| {
+            robot.phase == Phase::Suspect || robot.phase == Phase::Lost && !robot.held.is_empty()
+        };
+        self.robots.iter().any(|robot| charges(robot) || waits(robot))
+    }
+
+    fn count_finished_looks(&mut self, now: Timestamp) {
+        for robot in &mut self.robots {
+            let Errand::Look(zone) = robot.errand else { continue };
+            if !robot.route.is_done() {
+                continue;
+            }
+            robot.errand = Errand::Cover;
+            if let Some(zone) = self.zones.get_mut(zone) {
+                zone.looks += 1;
+                let wait_s = LOOK_AGAIN_S * f64::from(1_u32 << zone.looks.min(10)) / 2.0;
+                zone.next_look = now + Duration::from_secs_f64(wait_s);
+            }
+            self.idle_checks.fruitless = 0;
+        }
+    }
+
+    /// Sends robots to see whether zones are free that keep cells from being covered.
+    fn look_at_zones(&mut self, now: Timestamp) -> bool {
+        let looks_max = self.config.timing.looks_max;
+        let due: Vec<u64> = self
+            .zones
+            .iter()
+            .filter(|zone| zone.looks < looks_max && now >= zone.next_look)
+            .map(|zone| zone.id)
+            .collect();
+        let mut sent = self.robots.iter().any(|robot| matches!(robot.errand, Errand::Look(_)));
+        for zone in due {
+            let taken = self.robots.iter().any(|robot| robot.errand == Errand::Look(zone));
+            if !taken {
+                sent |= self.send_to_look(now, zone);
+            }
+        }
+        sent
+    }
+
+    fn send_to_look(&mut self, now: Timestamp, zone: u64) -> bool {
+        let idle: Vec<RobotIndex> = self
+            .coverers()
+            .into_iter()
+            .filter(|&robot| self.robots[robot].errand == Errand::Cover && self.robots[robot].route.is_done())
+            .collect();
+        let best = idle
+            .into_iter()
+            .filter_map(|robot| Some((robot, self.way_to_look(robot, zone)?)))
+            .min_by_key(|(_, way)| way.len());
+        let Some((robot, way)) = best else {
+            if let Some(zone) = self.zones.get_mut(zone) {
+                zone.looks += 1; // nobody gets near enough
+                zone.next_look = now + Duration::from_secs_f64(LOOK_AGAIN_S);
+            }
+            return false;
+        };
+        let begins_at_base_end = self.robots[robot].route.base_end().is_some_and(|node| node.cell.is_some());
+        self.send_along(robot, &way[usize::from(begins_at_base_end)..], None, Ending::Stay);
+        self.robots[robot].errand = Errand::Look(zone);
+        let id = self.robots[robot].id.clone();
+        self.announcer.event(
+            now,
+            EventLevel::EventInfo,
+            &id,
+            "LOOKS",
+            &format!("whether zone {zone} is free"),
+        );
+        true
+    }
+
+    /// The way to the nearest cell from which a cell of a zone can be seen.
+    fn way_to_look(&self, robot: RobotIndex, zone: u64) -> Option<Vec<Cell>> {
+        let from = self.start_cell(robot)?;
+        let lattice = self.floor.lattice();
+        let zone = self.zones.iter().find(|other| other.id == zone)?;
+        let centers: Vec<_> = zone.cells.iter().map(|&index| lattice.center(lattice.cell(index))).collect();
+        let sees = |cell: Cell| {
+            let eye = lattice.center(cell);
+            centers.iter().any(|&center| {
+                (center - eye).norm() <= LOOK_FROM_M
+                    && self.config.mission.map.capsule_is_free(Segment::new(eye, center), 0.02)
+            })
+        };
+        way::nearest(&self.floor, from, sees, |cell| self.is_open_ground(cell))
+    }
+
+    fn zones_still_wait(&self, _now: Timestamp) -> bool {
+        let looks_max = self.config.timing.looks_max;
+        self.zones.iter().any(|zone| zone.looks < looks_max)
+    }
+
+    fn give_up_the_rest(&mut self, now: Timestamp) {
+        let open: Vec<usize> = self.ledger.open_cells().collect();
+        for index in open {
+            let reason = self.why_not(index);
+            self.ledger.give_up(index, reason);
+        }
+        self.go_home_or_finish(now);
+    }
+
+    /// Why an open cell stays uncovered: zones hide it, or no body fits there.
+    fn why_not(&self, index: usize) -> UnreachableReason {
+        let lattice = self.floor.lattice();
+        let from = lattice.cell(index);
+        if self.zones.holds(index) {
+            return UnreachableReason::Obstacle;
+        }
+        let starts: Vec<Cell> =
+            self.robots.iter().filter_map(|robot| lattice.cell_at(robot.position()?)).collect();
+        let at_all = way::moves_to(&self.floor, &starts, |_| true);
+        let neighbours_reached = |cell: Cell| {
+            (-1..=1).flat_map(|dx| (-1..=1).map(move |dy| (dx, dy))).any(|(dx, dy)| {
+                let near = Cell::new(cell.x + dx, cell.y + dy);
+                lattice.index(near).is_some_and(|near| at_all[near] != u32::MAX)
+            })
+        };
+        let in_the_way = self.zones.iter().next().is_some() || self.robots.iter().any(|robot| robot.stuck);
+        if neighbours_reached(from) && in_the_way {
+            UnreachableReason::Obstacle
+        } else {
+            UnreachableReason::TooNarrow
+        }
+    }
+
+    fn give_up_all(&mut self, reason: UnreachableReason) {
+        let open: Vec<usize> = self.ledger.open_cells().collect();
+        for index in open {
+            self.ledger.give_up(index, reason);
+        }
+    }
+
+    /// A robot stands idle while others have long to go: plan anew, if that is worth it.
+    fn check_balance(&mut self, now: Timestamp) {
+        if now.since(self.idle_checks.rebalanced) < REBALANCE_APART {
+            return;
+        }
+        let Some(idle) = self.coverers().into_iter().find(|&robot| self.robots[robot].route.is_done()) else {
+            return;
+        };
+        let most_s =
+            self.coverers().into_iter().map(|robot| self.robots[robot].remaining_s).fold(0.0, f64::max);
+        if most_s > IMBALANCE_S {
+            self.idle_checks.rebalanced = now;
+            let text = format!("is done while another has {most_s:.0} s to go");
+            self.need_plan(now, Cause::of(ReplanCause::CauseFinishedEarly, idle, &text));
+        }
+    }
+
+    fn go_home_or_finish(&mut self, now: Timestamp) {
+        if self.config.mission.return_to_start && self.send_home(now) {
+            return;
+        }
+        self.finish(now);
+    }
+
+    /// Sends all robots to where they joined; false when they are there, or the time for it is over.
+    fn send_home(&mut self, now: Timestamp) -> bool {
+        let began = *self.idle_checks.homeward.get_or_insert(now);
+        if now.secs_since(began) > HOME_MAX_S {
+            return false;
+        }
+        let mut away = false;
+        for index in 0..self.robots.len() {
+            away |= self.robots[index].phase == Phase::Ready
+                && !self.robots[index].stuck
+                && self.keep_heading_home(index);
+        }
+        away
+    }
+
+    fn keep_heading_home(&mut self, index: RobotIndex) -> bool {
+        let robot = &self.robots[index];
+        let (Some(home), Some(position)) = (robot.home, robot.position()) else { return false };
+        if (home - position).norm() < 0.1 && robot.route.is_done() {
+            return false;
+        }
+        match robot.errand {
+            Errand::Home => !robot.route.is_done(),
+            Errand::Cover | Errand::Look(_) => {
+                let goal = self.floor.nearest_drivable(&self.config.mission.map, home);
+                let from = self.start_cell(index);
+                let (Some(from), Some(goal)) = (from, goal) else { return false };
+                let open = |cell| self.is_open_ground(cell);
+                let Some(way) = way::nearest(&self.floor, from, |cell| cell == goal, open) else {
+                    return false;
+                };
+                self.send_along(index, &way, Some(home), Ending::Stay);
+                self.robots[index].errand = Errand::Home;
+                true
+            }
+            Errand::ToStation(_) | Errand::Queue(_) | Errand::Charging(_) => true,
+        }
+    }
+
+    fn finish(&mut self, now: Timestamp) {
+        let gaps = self.ledger.gaps();
+        self.state = if gaps.is_empty() { MissionState::Completed } else { MissionState::CompletedWithGaps };
+        self.conclude(now, "");
+    }
+
+    /// Ends the mission as FAILED.
+    pub(crate) fn fail(&mut self, now: Timestamp, cause: &str) {
+        self.state = MissionState::Failed;
+        self.conclude(now, cause);
+    }
+
+    fn conclude(&mut self, now: Timestamp, cause: &str) {
+        self.announcer.conclude(now, self.state, cause);
+    }
+
+    /// The last word of the mission.
+    pub(crate) fn result(&self, now: Timestamp, cause: &str) -> v1::MissionResult {
+        v1::MissionResult {
+            timestamp_ns: now.as_nanos(),
+            mission_id: self.config.mission.id.clone(),
+            mission_state: self.state.into(),
+            progress: Some(self.ledger.progress()),
+            gaps: self.gaps(),
+            duration_s: self.mission_began.map_or(0.0, |began| now.secs_since(began)),
+            replans: self.replanning.plans.saturating_sub(1),
+            robots_lost: self.robots_lost,
+            cause: cause.to_owned(),
+            planned_makespan_s: self.replanning.first_makespan_s,
+        }
+    }
+
+    /// Given-up cells gathered by reason and place: neighbours belong to one gap.
+    fn gaps(&self) -> Vec<v1::Gap> {
+        let lattice = self.floor.lattice();
+        let mut left: BTreeMap<usize, UnreachableReason> = self.ledger.gaps().into_iter().collect();
+        let mut gaps = Vec::new();
+        while let Some((&first, &reason)) = left.iter().next() {
+            left.remove(&first);
+            let (mut stack, mut cells) = (vec![first], Vec::new());
+            while let Some(index) = stack.pop() {
+                cells.push(index);
+                for direction in terrain::Direction::ALL {
+                    let near = lattice.index(lattice.cell(index).step(direction));
+                    if let Some(near) = near.filter(|near| left.get(near) == Some(&reason)) {
+                        left.remove(&near);
+                        stack.push(near);
+                    }
+                }
+            }
+            gaps.push(self.gap(&cells, reason));
+        }
+        gaps
+    }
+
+    fn gap(&self, cells: &[usize], reason: UnreachableReason) -> v1::Gap {
+        let lattice = self.floor.lattice();
+        let sum = cells
+            .iter()
+            .fold(terrain::Vector::zeros(), |sum, &cell| sum + lattice.center(lattice.cell(cell)).coords);
+        let centre = sum / cells.len() as f64;
+        let samples: u64 = cells.iter().map(|&cell| u64::from(self.ledger.missing(cell).count_ones())).sum();
+        let area_m2 = terrain::SweptRaster::area_m2(lattice, samples);
+        v1::Gap {
+            reason: reason.into(),
+            cells: cells.len() as u32,
+            area_m2,
+            centre: Some(v1::Point { x_m: centre.x, y_m: centre.y }),
+            text: format!(
+                "{} cells ({area_m2:.2} m²) around ({:.1}, {:.1}) m: {}",
+                cells.len(),
+                centre.x,
+                centre.y,
+                reason.as_str_name()
+            ),
+        }
+    }
+
+    /// A person asked for something.
+    pub(crate) fn on_operator(
+        &mut self,
+        now: Timestamp,
+        command: &v1::OperatorCommand,
+        out: &mut Vec<Output>,
+    ) {
+        if !command.serial_number.is_empty() {
+            let reason = "only the whole fleet can be paused, resumed and cancelled so far";
+            return Self::reply(out, command, false, reason);
+        }
+        let (accepted, reason) = match (command.verb(), self.state) {
+            (_, _) if self.ended() => (false, format!("the mission has ended: {}", self.state.as_str_name())),
+            (Verb::Pause, MissionState::Paused) => (true, "it is paused already".to_owned()),
+            (Verb::Pause, _) => {
+                self.state = MissionState::Paused;
+                (true, "robots stop; `oxplow resume` goes on".to_owned())
+            }
+            (Verb::Resume, MissionState::Paused) => {
+                self.state =
+                    if self.mission_began.is_some() { MissionState::Active } else { MissionState::Created };
+                if self.mission_began.is_some() {
+                    self.need_plan(now, Cause::fleet(ReplanCause::CauseOperator, "resumed"));
+                }
+                (true, "robots go on".to_owned())
+            }
+            (Verb::Resume, _) => (true, "it is not paused".to_owned()),
+            (Verb::Cancel, _) => {
+                self.state = MissionState::Cancelled;
+                self.conclude(now, &format!("cancelled by {}", command.who));
+                (true, "robots stop; the mission ends".to_owned())
+            }
+            (Verb::Unspecified, _) => (false, "no such command".to_owned()),
+        };
+        if accepted {
+            self.announcer.event(now, EventLevel::EventInfo, "", command.verb().as_str_name(), &reason);
+        }
+        Self::reply(out, command, accepted, &reason);
+    }
+
+    /// Repeats what an agent has not taken in: orders until acknowledged, pause and cancel until obeyed.
+    pub(crate) fn resend(&mut self, now: Timestamp, out: &mut Vec<Output>) {
+        let term = self.config.term;
+        let paused = self.state == MissionState::Paused;
+        let cancelled = self.state == MissionState::Cancelled;
+        for robot in self.robots.iter_mut().filter(|robot| robot.phase == Phase::Ready) {
+            let actions = wanted_actions(robot, paused, cancelled);
+            if !actions.is_empty() {
+                let header_id = robot.next_header();
+                out.push(Output::InstantActions {
+                    robot: robot.id.clone(),
+                    actions: v1::InstantActions {
+                        header_id,
+                        term,
+                        boot_id: robot.boot_id,
+                        actions: actions.into_iter().map(Into::into).collect(),
+                    },
+                });
+            }
+            send_order(now, robot, term, out);
+        }
+    }
+
+    /// Publishes what changed, and once a second how everything stands.
+    pub(crate) fn announce(&mut self, now: Timestamp, out: &mut Vec<Output>) {
+        let ends = self.announcer.take_conclusion();
+        if ends.is_some() || self.announcer.coverage_due(now) {
+            let names: Vec<&str> = self.robots.iter().map(|robot| robot.id.as_str()).collect();
+            if let Some(delta) = self.ledger.take_delta(now, &names) {
+                Self::publish(out, Publication::Coverage(delta));
+            }
+            Self::publish(out, Publication::Reservations(self.reservations(now)));
+        }
+        if ends.is_some() || self.announcer.status_due(now) {
+            self.estimate_remaining();
+            Self::publish(out, Publication::Status(Box::new(self.status(now))));
+        }
+        if let Some(cause) = ends {
+            let result = self.result(now, &cause);
+            self.announcer.result_event(now, &result);
+            self.announcer.drain(out);
+            Self::publish(out, Publication::Result(result));
+        }
+    }
+
+    /// Whether a cell is covered, for tests and the console.
+    pub fn is_covered(&self, cell: Cell) -> bool {
+        self.floor
+            .lattice()
+            .index(cell)
+            .is_some_and(|index| matches!(self.ledger.status(index), Status::Covered(_)))
+    }
+}
+
+fn wanted_actions(robot: &crate::robot::Robot, paused: bool, cancelled: bool) -> Vec<InstantActionType> {
+    let Some(state) = robot.state.as_ref() else { return Vec::new() };
+    let mut actions = Vec::new();
+    if paused != state.paused {
+        actions.push(if paused { InstantActionType::StartPause } else { InstantActionType::StopPause });
+    }
+    if cancelled && state.order_id != 0 && state.order_id == robot.route.order_id() {
+        actions.push(InstantActionType::CancelOrder);
+    }
+    if robot.factsheet.is_none() {
+        actions.push(InstantActionType::FactsheetRequest);
+    }
+    actions
+}
+
+fn send_order(now: Timestamp, robot: &mut crate::robot::Robot, term: u64, out: &mut Vec<Output>) {
+    const SEND_AGAIN: Duration = Duration::from_millis(300);
+    if robot.route.order_id() == 0 {
+        return;
+    }
+    if robot.route.wants_window() {
+        robot.route.open_window();
+        robot.order_sent = Timestamp::ZERO;
+    }
+    let again = robot.order_sent == Timestamp::ZERO || now.since(robot.order_sent) >= SEND_AGAIN;
+    if robot.has_acknowledged() || !again {
+        return;
+    }
+    robot.order_sent = now;
+    let header_id = robot.next_header();
+    let order = robot.route.to_order(header_id, term, robot.boot_id);
+    out.push(Output::Order { robot: robot.id.clone(), order });
+}

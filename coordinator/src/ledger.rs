@@ -1,0 +1,274 @@
+//! The ledger: what is known of every cell of the floor, and by whose evidence.
+//!
+//! A cell is COVERED only when every sample that can be swept there lies under the footprint of a tool, taken
+//! from reported poses with the pose's error bound subtracted. Nothing is ever inferred from a plan. Each cell
+//! is in exactly one state at any time.
+
+use protocol::{
+    Timestamp,
+    v1::{self, CellStatus, UnreachableReason},
+};
+use std::sync::Arc;
+use terrain::{CellClass, Floor, Point, Segment, SweptRaster};
+
+/// Number of a robot in the fleet's roster.
+pub(crate) type RobotIndex = usize;
+
+/// What is known of one cell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Status {
+    /// To be covered, by nobody yet.
+    Unassigned,
+    /// On the route of a robot.
+    Assigned(RobotIndex),
+    /// Swept whole; the robot that completed it.
+    Covered(RobotIndex),
+    /// Cannot be swept, and why.
+    Unreachable(UnreachableReason),
+    /// No free ground, or out of any tool's reach.
+    Excluded,
+    /// Driven over while the robot did not know where it was: to be covered again.
+    Lost,
+}
+
+/// The ledger of one mission. Everything is row-major by cell of the floor's lattice.
+#[derive(Debug)]
+pub(crate) struct Ledger {
+    floor: Arc<Floor>,
+    required: Vec<u64>,
+    raster: SweptRaster,
+    status: Vec<Status>,
+    counts: [u32; 6],
+    covered_samples: u64,
+    required_samples: u64,
+    swept_twice_m2: f64,
+    swept_m2: f64,
+    dirty: Vec<u32>,
+    is_dirty: Vec<bool>,
+    delta_sequence: u64,
+}
+
+impl Ledger {
+    /// A ledger in which everything that can be covered is open. `required` are the samples of each cell that
+    /// the fleet's tools can sweep.
+    pub(crate) fn new(floor: Arc<Floor>, required: Vec<u64>) -> Self {
+        let lattice = *floor.lattice();
+        let status: Vec<Status> = (0..lattice.len())
+            .map(|index| match (floor.class(index), required[index]) {
+                (CellClass::Obstacle | CellClass::TooNarrow, _) => Status::Excluded,
+                (CellClass::Coverable, 0) => Status::Unreachable(UnreachableReason::TooNarrow),
+                (CellClass::Coverable, _) => Status::Unassigned,
+            })
+            .collect();
+        let mut counts = [0; 6];
+        for &entry in &status {
+            counts[slot(entry)] += 1;
+        }
+        Self {
+            raster: SweptRaster::new(lattice),
+            required_samples: required.iter().map(|samples| u64::from(samples.count_ones())).sum(),
+            covered_samples: 0,
+            swept_twice_m2: 0.0,
+            swept_m2: 0.0,
+            dirty: (0..lattice.len() as u32).collect(),
+            is_dirty: vec![true; lattice.len()],
+            delta_sequence: 0,
+            floor,
+            required,
+            status,
+            counts,
+        }
+    }
+
+    /// What is known of the cell with this number.
+    pub(crate) fn status(&self, index: usize) -> Status {
+        self.status[index]
+    }
+
+    /// Whether a cell still has samples to be swept (whether or not anybody can get there).
+    pub(crate) fn is_open(&self, index: usize) -> bool {
+        self.missing(index) != 0
+    }
+
+    /// The samples of a cell that can be swept and are not.
+    pub(crate) fn missing(&self, index: usize) -> u64 {
+        self.required[index] & !self.raster.samples(index)
+    }
+
+    /// Takes in one reported segment: sweeps a disc of `radius_m` for `robot`, and returns the number of cells
+    /// that became COVERED by it.
+    pub(crate) fn sweep(&mut self, robot: RobotIndex, segment: Segment, radius_m: f64) -> u32 {
+        let mut touched: Vec<usize> = Vec::new();
+        let before = self.covered_samples;
+        self.raster.sweep(segment, radius_m, |index| touched.push(index));
+        let mut completed = 0;
+        for index in touched {
+            let whole = self.missing(index) == 0 && self.required[index] != 0;
+            if whole && !matches!(self.status[index], Status::Covered(_)) {
+                self.covered_samples += u64::from(self.required[index].count_ones());
+                self.set(index, Status::Covered(robot));
+                completed += 1;
+            }
+        }
+        let area_m2 = segment.length() * 2.0 * radius_m;
+        self.swept_m2 += area_m2;
+        let gained_m2 = SweptRaster::area_m2(self.floor.lattice(), self.covered_samples - before);
+        self.swept_twice_m2 += (area_m2 - gained_m2).max(0.0);
+        completed
+    }
+
+    /// A segment was driven with the tool on by a robot that did not know where it was: what is not yet covered
+    /// near it is LOST.
+    pub(crate) fn lose(&mut self, segment: Segment, radius_m: f64) {
+        let low = Point::from(segment.from.coords.inf(&segment.to.coords).add_scalar(-radius_m));
+        let high = Point::from(segment.from.coords.sup(&segment.to.coords).add_scalar(radius_m));
+        let lattice = *self.floor.lattice();
+        for cell in lattice.cells_in_box(low, high) {
+            let Some(index) = lattice.index(cell) else { continue };
+            let near = segment.distance_to_point(lattice.center(cell)) <= radius_m;
+            if near && matches!(self.status[index], Status::Unassigned | Status::Assigned(_)) {
+                self.set(index, Status::Lost);
+            }
+        }
+    }
+
+    /// Gives an open cell to a robot.
+    pub(crate) fn assign(&mut self, index: usize, robot: RobotIndex) {
+        if self.is_open(index) {
+            self.set(index, Status::Assigned(robot));
+        }
+    }
+
+    /// Takes all cells from a robot that it has not covered; returns how many.
+    pub(crate) fn unassign(&mut self, robot: RobotIndex) -> u32 {
+        let mine: Vec<usize> =
+            (0..self.status.len()).filter(|&index| self.status[index] == Status::Assigned(robot)).collect();
+        for &index in &mine {
+            self.set(index, Status::Unassigned);
+        }
+        mine.len() as u32
+    }
+
+    /// Says that an open cell cannot be reached, and why.
+    pub(crate) fn give_up(&mut self, index: usize, reason: UnreachableReason) {
+        if self.is_open(index) {
+            self.set(index, Status::Unreachable(reason));
+        }
+    }
+
+    /// Numbers of all cells with samples still to be swept that were not given up.
+    pub(crate) fn open_cells(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.status.len()).filter(|&index| {
+            !matches!(self.status[index], Status::Unreachable(_) | Status::Covered(_)) && self.is_open(index)
+        })
+    }
+
+    fn set(&mut self, index: usize, status: Status) {
+        let old = self.status[index];
+        if old == status {
+            return;
+        }
+        assert!(!matches!(old, Status::Excluded), "an excluded cell never changes");
+        self.counts[slot(old)] -= 1;
+        self.counts[slot(status)] += 1;
+        self.status[index] = status;
+        if !self.is_dirty[index] {
+            self.is_dirty[index] = true;
+            self.dirty.push(index as u32);
+        }
+    }
+
+    /// What changed since the last call, as runs of cells; `None` when nothing did. The first call states all.
+    pub(crate) fn take_delta(&mut self, now: Timestamp, names: &[&str]) -> Option<v1::CoverageDelta> {
+        if self.dirty.is_empty() {
+            return None;
+        }
+        let mut dirty = std::mem::take(&mut self.dirty);
+        dirty.sort_unstable();
+        let lattice = *self.floor.lattice();
+        let mut runs: Vec<v1::CellRun> = Vec::new();
+        let mut last: Option<(u32, Status)> = None;
+        for index in dirty {
+            self.is_dirty[index as usize] = false;
+            let status = self.status[index as usize];
+            let continues =
+                last == index.checked_sub(1).map(|before| (before, status)) && index % lattice.columns != 0;
+            last = Some((index, status));
+            match runs.last_mut() {
+                Some(run) if continues => run.length += 1,
+                _ => runs.push(cell_run(index / lattice.columns, index % lattice.columns, status, names)),
+            }
+        }
+        self.delta_sequence += 1;
+        Some(v1::CoverageDelta {
+            sequence: self.delta_sequence,
+            timestamp_ns: now.as_nanos(),
+            runs,
+            lattice: (self.delta_sequence == 1).then_some(v1::LatticeGeometry {
+                origin_x_m: lattice.origin.x,
+                origin_y_m: lattice.origin.y,
+                cell_m: lattice.cell_m,
+                columns: lattice.columns,
+                rows: lattice.rows,
+            }),
+        })
+    }
+
+    /// How far it has come.
+    pub(crate) fn progress(&self) -> v1::CoverageProgress {
+        let area = |samples| SweptRaster::area_m2(self.floor.lattice(), samples);
+        let share = if self.required_samples == 0 {
+            1.0
+        } else {
+            self.covered_samples as f64 / self.required_samples as f64
+        };
+        v1::CoverageProgress {
+            covered_percent: 100.0 * share,
+            covered_m2: area(self.covered_samples),
+            coverable_m2: area(self.required_samples),
+            overlap_ratio: if self.swept_m2 > 0.0 { self.swept_twice_m2 / self.swept_m2 } else { 0.0 },
+            remaining_s: 0.0,
+            cells_unassigned: self.counts[0],
+            cells_assigned: self.counts[1],
+            cells_covered: self.counts[2],
+            cells_unreachable: self.counts[3],
+            cells_excluded: self.counts[4],
+            cells_lost: self.counts[5],
+            cells_total: self.status.len() as u32,
+        }
+    }
+
+    /// Cells that were given up, by reason.
+    pub(crate) fn gaps(&self) -> Vec<(usize, UnreachableReason)> {
+        (0..self.status.len())
+            .filter_map(|index| match self.status[index] {
+                Status::Unreachable(reason) => Some((index, reason)),
+                _ => None,
+            })
+            .collect()
+    }
+}
+
+const fn slot(status: Status) -> usize {
+    match status {
+        Status::Unassigned => 0,
+        Status::Assigned(_) => 1,
+        Status::Covered(_) => 2,
+        Status::Unreachable(_) => 3,
+        Status::Excluded => 4,
+        Status::Lost => 5,
+    }
+}
+
+fn cell_run(row: u32, column: u32, status: Status, names: &[&str]) -> v1::CellRun {
+    let name = |robot: RobotIndex| names.get(robot).map_or_else(String::new, |&name| name.to_owned());
+    let (wire, reason, serial_number) = match status {
+        Status::Unassigned => (CellStatus::CellUnassigned, UnreachableReason::Unspecified, String::new()),
+        Status::Assigned(robot) => (CellStatus::CellAssigned, UnreachableReason::Unspecified, name(robot)),
+        Status::Covered(robot) => (CellStatus::CellCovered, UnreachableReason::Unspecified, name(robot)),
+        Status::Unreachable(reason) => (CellStatus::CellUnreachable, reason, String::new()),
+        Status::Excluded => (CellStatus::CellExcluded, UnreachableReason::Unspecified, String::new()),
+        Status::Lost => (CellStatus::CellLost, UnreachableReason::Unspecified, String::new()),
+    };
+    v1::CellRun { row, column, length: 1, status: wire.into(), reason: reason.into(), serial_number }
+}

@@ -1,0 +1,535 @@
+//! When to plan anew, for which cause, with which instance; and what becomes of the plan.
+//!
+//! Causes are gathered for a moment, then one instance is made of all that is still to be covered and all
+//! robots that can cover, each from the end of its base. While the planner works no ground is released, so the
+//! plan fits when it comes. An answer to an older request is dropped.
+
+use crate::{
+    Coordinator, Output, PlanRequest,
+    ledger::{RobotIndex, Status},
+    robot::{Errand, Phase},
+    route::{Ending, Waypoint},
+};
+use planner::{Mode, PlanError, PlanOptions, Start, VerifiedPlan};
+use protocol::{
+    Timestamp,
+    v1::{self, EventLevel, MissionState, ReplanCause},
+};
+use std::{collections::BTreeMap, sync::Arc, time::Duration};
+use terrain::{Cell, MotionModel, Point};
+
+/// Causes are gathered this long before the planner is asked.
+const GATHER: Duration = Duration::from_millis(50);
+/// At least this long between two plans.
+const PLANS_APART: Duration = Duration::from_millis(400);
+/// At least this long between two plans that only untie robots.
+const DEADLOCK_PLANS_APART: Duration = Duration::from_secs(5);
+/// After so many refusals in a row the mission fails.
+const REFUSALS_MAX: u32 = 5;
+
+/// Why the fleet is planned anew.
+#[derive(Debug, Clone)]
+pub(crate) struct Cause {
+    pub(crate) kind: ReplanCause,
+    pub(crate) robot: Option<RobotIndex>,
+    pub(crate) text: String,
+}
+
+impl Cause {
+    pub(crate) fn of(kind: ReplanCause, robot: RobotIndex, text: &str) -> Self {
+        Self { kind, robot: Some(robot), text: text.to_owned() }
+    }
+
+    pub(crate) fn fleet(kind: ReplanCause, text: &str) -> Self {
+        Self { kind, robot: None, text: text.to_owned() }
+    }
+}
+
+/// A request the planner has not answered yet.
+#[derive(Debug)]
+struct InFlight {
+    revision: u64,
+    robots: Vec<RobotIndex>,
+    orders: Vec<u64>,
+    visit: Vec<bool>,
+    causes: Vec<Cause>,
+    owners: BTreeMap<usize, Option<RobotIndex>>,
+    remaining_s: Vec<f64>,
+}
+
+/// What is wanted of the planner, and what it was asked.
+#[derive(Debug, Default)]
+pub(crate) struct Replanning {
+    causes: Vec<Cause>,
+    due: Option<Timestamp>,
+    in_flight: Option<InFlight>,
+    revision: u64,
+    asked_at: Timestamp,
+    deadlock_at: Timestamp,
+    refusals: u32,
+    decisions: u64,
+    /// Plans that came and were driven.
+    pub(crate) plans: u32,
+    pub(crate) first_makespan_s: f64,
+}
+
+impl Replanning {
+    pub(crate) fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    /// When the planner is to be asked.
+    pub(crate) fn due(&self) -> Option<Timestamp> {
+        if self.in_flight.is_some() { None } else { self.due }
+    }
+
+    /// Whether a plan is wanted or on its way.
+    pub(crate) fn is_busy(&self) -> bool {
+        self.due.is_some() || self.in_flight.is_some()
+    }
+
+    /// Whether a robot's base must stay as the planner knows it.
+    pub(crate) fn is_frozen(&self, robot: RobotIndex) -> bool {
+        self.in_flight.as_ref().is_some_and(|flight| flight.robots.contains(&robot))
+    }
+
+    pub(crate) fn may_replan_for_deadlock(&mut self, now: Timestamp) -> bool {
+        let may = now.since(self.deadlock_at) >= DEADLOCK_PLANS_APART;
+        if may {
+            self.deadlock_at = now;
+        }
+        may
+    }
+}
+
+impl Coordinator {
+    /// Notes that the fleet must be planned anew.
+    pub(crate) fn need_plan(&mut self, now: Timestamp, cause: Cause) {
+        if self.ended() || self.mission_began.is_none() && cause.kind != ReplanCause::CauseStart {
+            return;
+        }
+        self.replanning.causes.push(cause);
+        let earliest = (now + GATHER).max(self.replanning.asked_at + PLANS_APART);
+        self.replanning.due.get_or_insert(earliest);
+    }
+
+    /// Asks the planner when it is time.
+    pub(crate) fn send_plan_request(&mut self, now: Timestamp, out: &mut Vec<Output>) {
+        if self.replanning.due().is_none_or(|due| now < due) || self.state == MissionState::Paused {
+            return;
+        }
+        self.replanning.due = None;
+        let causes = std::mem::take(&mut self.replanning.causes);
+        self.release_what_is_not_driven();
+        let Some((request, flight)) = self.instance(causes) else {
+            self.announce_without_plan(now);
+            return;
+        };
+        self.replanning.asked_at = now;
+        self.replanning.revision = request.revision;
+        self.replanning.in_flight = Some(flight);
+        self.state = MissionState::Replanning;
+        Self::ask_planner(out, request);
+    }
+
+    /// Cells that belong to robots which do not cover now belong to nobody.
+    fn release_what_is_not_driven(&mut self) {
+        for index in 0..self.robots.len() {
+            if !self.robots[index].can_cover() {
+                self.ledger.unassign(index);
+            }
+        }
+    }
+
+    /// The mission as it stands, as something to plan; `None` when nobody can do anything now.
+    fn instance(&mut self, causes: Vec<Cause>) -> Option<(PlanRequest, InFlight)> {
+        let blocked = self.blocked_for_plans();
+        let robots: Vec<RobotIndex> =
+            self.coverers().into_iter().filter(|&robot| self.start_cell(robot).is_some()).collect();
+        let motion = self.slowest_motion(&robots)?;
+        let starts: Vec<Start> = robots.iter().map(|&robot| self.start(robot, &motion)).collect();
+        let visit = self.cells_to_visit(&blocked, &robots, &starts);
+        if !visit.contains(&true) {
+            return None;
+        }
+        let owners = self.owners(&visit);
+        let revision = self.replanning.revision + 1;
+        let flight = InFlight {
+            revision,
+            orders: robots.iter().map(|&robot| self.robots[robot].route.order_id()).collect(),
+            remaining_s: robots.iter().map(|&robot| self.robots[robot].remaining_s).collect(),
+            visit: visit.clone(),
+            owners,
+            robots,
+            causes,
+        };
+        let stations: Vec<Cell> = self.station_cells();
+        let options =
+            PlanOptions { planner: self.config.mission.planner.clone(), effort: 1, seed: self.config.seed };
+        let floor = Arc::clone(&self.floor);
+        let mode = Mode::Cover;
+        Some((
+            PlanRequest { revision, floor, visit, blocked, starts, motion, mode, stations, options },
+            flight,
+        ))
+    }
+
+    /// Zones, and ground held by robots that will not move by themselves.
+    fn blocked_for_plans(&self) -> Vec<bool> {
+        let mut blocked: Vec<bool> =
+            (0..self.floor.lattice().len()).map(|index| self.zones.holds(index)).collect();
+        for robot in &self.robots {
+            let immobile = matches!(robot.phase, Phase::Suspect | Phase::Lost)
+                || robot.phase == Phase::Ready
+                    && (robot.stuck || matches!(robot.errand, Errand::Charging(_) | Errand::Queue(_)));
+            if immobile {
+                for index in self.cells_near(&robot.held) {
+                    blocked[index] = true;
+                }
+            }
+        }
+        blocked
+    }
+
+    fn slowest_motion(&self, robots: &[RobotIndex]) -> Option<MotionModel> {
+        robots.iter().filter_map(|&robot| self.robots[robot].motion()).reduce(|a, b| MotionModel {
+            speed_m_per_s: a.speed_m_per_s.min(b.speed_m_per_s),
+            acceleration_m_per_s2: a.acceleration_m_per_s2.min(b.acceleration_m_per_s2),
+            angular_speed_rad_per_s: a.angular_speed_rad_per_s.min(b.angular_speed_rad_per_s),
+            angular_acceleration_rad_per_s2: a
+                .angular_acceleration_rad_per_s2
+                .min(b.angular_acceleration_rad_per_s2),
+            brakes: true,
+        })
+    }
+
+    fn start(&self, index: RobotIndex, motion: &MotionModel) -> Start {
+        let base: Vec<Point> = self.robots[index].route.base().map(|node| node.point).collect();
+        let heading = base.windows(2).last().map(|pair| {
+            let step = pair[1] - pair[0];
+            step.y.atan2(step.x)
+        });
+        let standing = self.robots[index].state.as_ref().and_then(|state| state.pose.as_ref());
+        Start {
+            cell: self.start_cell(index).expect("only robots with a start cell take part"),
+            heading_rad: heading.or_else(|| standing.map(|pose| pose.theta_rad)),
+            available_in_s: motion.path_s(&base, None),
+            range_m: None,
+        }
+    }
+
+    /// Row-major: cells that robots should pass so that all that is open gets swept, as far as they can get
+    /// there and it is not on somebody's base already.
+    fn cells_to_visit(&self, blocked: &[bool], robots: &[RobotIndex], starts: &[Start]) -> Vec<bool> {
+        let reachable = self.reachable(blocked, starts);
+        let mut visit = vec![false; blocked.len()];
+        for index in self.ledger.open_cells() {
+            if let Some(stand) = self.stand_for(index, &reachable) {
+                visit[stand] = true;
+            }
+        }
+        let lattice = self.floor.lattice();
+        for &robot in robots {
+            for node in self.robots[robot].route.base().skip(1) {
+                let index = node.cell.and_then(|cell| lattice.index(cell));
+                if let Some(index) = index.filter(|_| node.tool_active) {
+                    visit[index] = false;
+                }
+            }
+        }
+        visit
+    }
+
+    /// The reachable cell to stand in so that what is missing of a cell gets swept.
+    fn stand_for(&self, index: usize, reachable: &[bool]) -> Option<usize> {
+        if self.floor.is_drivable(index) {
+            return reachable[index].then_some(index);
+        }
+        let lattice = self.floor.lattice();
+        let cell = lattice.cell(index);
+        let reach = (self.floor.tool_width_m() / 2.0 / lattice.cell_m).ceil() as i32;
+        let missing = self.ledger.missing(index);
+        let mut best: Option<(u32, usize)> = None;
+        for y in cell.y - reach..=cell.y + reach {
+            for x in cell.x - reach..=cell.x + reach {
+                let Some(at) = lattice.index(Cell::new(x, y)).filter(|&at| reachable[at]) else { continue };
+                let swept = terrain::samples_swept_from(
+                    lattice,
+                    cell,
+                    lattice.center(lattice.cell(at)),
+                    self.floor.tool_width_m() / 2.0,
+                );
+                let gain = (swept & missing).count_ones();
+                if gain > 0 && best.is_none_or(|(most, _)| gain > most) {
+                    best = Some((gain, at));
+                }
+            }
+        }
+        best.map(|(_, at)| at)
+    }
+
+    fn reachable(&self, blocked: &[bool], starts: &[Start]) -> Vec<bool> {
+        let lattice = self.floor.lattice();
+        let mut reached = vec![false; lattice.len()];
+        let mut stack: Vec<Cell> = Vec::new();
+        for start in starts {
+            let index = lattice.index(start.cell).expect("a start is on the lattice");
+            if !reached[index] {
+                reached[index] = true;
+                stack.push(start.cell);
+            }
+        }
+        while let Some(cell) = stack.pop() {
+            for next in self.floor.neighbours(cell) {
+                let index = lattice.index(next).expect("a neighbour is on the lattice");
+                if !reached[index] && !blocked[index] {
+                    reached[index] = true;
+                    stack.push(next);
+                }
+            }
+        }
+        for start in starts {
+            let index = lattice.index(start.cell).expect("a start is on the lattice");
+            reached[index] = !blocked[index];
+        }
+        reached
+    }
+
+    fn owners(&self, visit: &[bool]) -> BTreeMap<usize, Option<RobotIndex>> {
+        (0..visit.len())
+            .filter(|&index| visit[index])
+            .map(|index| match self.ledger.status(index) {
+                Status::Assigned(robot) => (index, Some(robot)),
+                _ => (index, None),
+            })
+            .collect()
+    }
+
+    /// The planner's answer.
+    pub(crate) fn on_planned(
+        &mut self,
+        now: Timestamp,
+        revision: u64,
+        result: Result<VerifiedPlan, PlanError>,
+        planning_s: f64,
+        out: &mut Vec<Output>,
+    ) {
+        if self.replanning.in_flight.as_ref().is_none_or(|flight| flight.revision != revision) {
+            return;
+        }
+        let flight = self.replanning.in_flight.take().expect("it was just looked at");
+        if self.ended() {
+            return;
+        }
+        self.state = MissionState::Active;
+        match result {
+            Ok(plan) => self.apply(now, &flight, &plan, planning_s, out),
+            Err(error) => self.plan_refused(now, &error),
+        }
+    }
+
+    fn plan_refused(&mut self, now: Timestamp, error: &PlanError) {
+        self.replanning.refusals += 1;
+        let text = format!("the planner refused: {error}");
+        self.announcer.event(now, EventLevel::EventError, "", "NO PLAN", &text);
+        if self.replanning.refusals >= REFUSALS_MAX {
+            self.fail(now, &text);
+        } else {
+            self.need_plan(now + Duration::from_secs(1), Cause::fleet(ReplanCause::CauseResidual, "again"));
+        }
+    }
+
+    fn apply(
+        &mut self,
+        now: Timestamp,
+        flight: &InFlight,
+        plan: &VerifiedPlan,
+        planning_s: f64,
+        out: &mut Vec<Output>,
+    ) {
+        self.replanning.refusals = 0;
+        self.replanning.plans += 1;
+        let before_s = self.robots.iter().map(|robot| robot.remaining_s).fold(0.0, f64::max);
+        for (number, &robot) in flight.robots.iter().enumerate() {
+            if self.still_fits(robot, flight.orders[number]) {
+                self.ledger.unassign(robot);
+            }
+        }
+        for (number, &robot) in flight.robots.iter().enumerate() {
+            if self.still_fits(robot, flight.orders[number]) {
+                self.assign_route(robot, flight, &plan.routes()[number].points);
+            } else {
+                self.need_plan(now, Cause::of(ReplanCause::CauseResidual, robot, "changed while planning"));
+            }
+        }
+        let after_s = plan.figures().makespan_s;
+        if self.replanning.first_makespan_s == 0.0 {
+            self.replanning.first_makespan_s = after_s;
+        }
+        self.announce_plan(now, flight, plan.planner(), [before_s, after_s, planning_s], out);
+    }
+
+    fn still_fits(&self, robot: RobotIndex, order_id: u64) -> bool {
+        self.robots[robot].can_cover() && self.robots[robot].route.order_id() == order_id
+    }
+
+    fn assign_route(&mut self, robot: RobotIndex, flight: &InFlight, points: &[Point]) {
+        let lattice = *self.floor.lattice();
+        let begins_at_base_end = self.robots[robot].route.base_end().is_some_and(|node| node.cell.is_some());
+        let skip = usize::from(begins_at_base_end);
+        let cells: Vec<Cell> = points.iter().skip(skip).filter_map(|&point| lattice.cell_at(point)).collect();
+        let places: Vec<Waypoint> = cells.iter().map(|&cell| self.place(cell)).collect();
+        for cell in cells {
+            let index = lattice.index(cell).expect("cell_at gives cells of the lattice");
+            let free = !matches!(self.ledger.status(index), Status::Assigned(_));
+            if flight.visit[index] && free {
+                self.ledger.assign(index, robot);
+            }
+        }
+        let robot = &mut self.robots[robot];
+        robot.errand = Errand::Cover;
+        robot.route.stitch(flight.revision, places, Ending::Stay);
+        robot.wait = None;
+        robot.hold = None;
+        robot.order_sent = Timestamp::ZERO;
+    }
+
+    /// Says what the plan changes and why, in one line a cause.
+    fn announce_plan(
+        &mut self,
+        now: Timestamp,
+        flight: &InFlight,
+        planner: &str,
+        [before_s, after_s, planning_s]: [f64; 3],
+        out: &mut Vec<Output>,
+    ) {
+        self.estimate_remaining();
+        let transfers = self.transfers(flight);
+        for (number, cause) in flight.causes.iter().enumerate() {
+            let id = cause.robot.map_or_else(String::new, |robot| self.robots[robot].id.clone());
+            let moved = describe(&transfers, cause.robot.map(|robot| self.robots[robot].id.as_str()));
+            let text = if moved.is_empty() {
+                format!("{} → plan {}, {after_s:.0} s to go", cause.text, flight.revision)
+            } else {
+                format!("{} → {moved}", cause.text)
+            };
+            let level = level_of(cause.kind);
+            let event_id = self.announcer.event(now, level, &id, word_of(cause.kind), &text);
+            self.replanning.decisions += 1;
+            out.push(Output::Publish(crate::Publication::Decision(v1::Decision {
+                decision_id: self.replanning.decisions,
+                timestamp_ns: now.as_nanos(),
+                cause: cause.kind.into(),
+                serial_number: id,
+                text,
+                plan_revision: flight.revision,
+                makespan_before_s: before_s,
+                makespan_after_s: after_s,
+                planning_s,
+                planner: planner.to_owned(),
+                transfers: if number == 0 { transfers.clone() } else { Vec::new() },
+                event_id,
+            })));
+        }
+    }
+
+    fn transfers(&self, flight: &InFlight) -> Vec<v1::CellTransfer> {
+        let mut counts: BTreeMap<(Option<RobotIndex>, RobotIndex), u32> = BTreeMap::new();
+        for (&index, &before) in &flight.owners {
+            if let Status::Assigned(after) = self.ledger.status(index)
+                && before != Some(after)
+            {
+                *counts.entry((before, after)).or_default() += 1;
+            }
+        }
+        let name =
+            |robot: Option<RobotIndex>| robot.map_or_else(String::new, |robot| self.robots[robot].id.clone());
+        counts
+            .into_iter()
+            .map(|((from, to), cells)| v1::CellTransfer {
+                from: name(from),
+                to: name(Some(to)),
+                cells,
+                added_s: self.added_s(flight, to),
+            })
+            .collect()
+    }
+
+    fn added_s(&self, flight: &InFlight, robot: RobotIndex) -> f64 {
+        let before_s = flight
+            .robots
+            .iter()
+            .position(|&other| other == robot)
+            .map_or(0.0, |number| flight.remaining_s[number]);
+        self.robots[robot].remaining_s - before_s
+    }
+
+    /// Works out anew how long each robot still drives on its route.
+    pub(crate) fn estimate_remaining(&mut self) {
+        for robot in &mut self.robots {
+            let points: Vec<Point> = robot.route.ahead().map(|node| node.point).collect();
+            robot.remaining_s = match (robot.phase, robot.motion()) {
+                (Phase::Ready, Some(motion)) => motion.path_s(&points, None),
+                _ => 0.0,
+            };
+        }
+    }
+
+    fn announce_without_plan(&mut self, now: Timestamp) {
+        if self.state == MissionState::Replanning {
+            self.state = MissionState::Active;
+        }
+        self.idle_checks.look_at(now);
+    }
+}
+
+/// `41 cells to r1 (+38 s), r5 (+12 s)`: what was taken from a robot, or from nobody.
+fn describe(transfers: &[v1::CellTransfer], from: Option<&str>) -> String {
+    let from = from.unwrap_or_default();
+    let theirs: Vec<&v1::CellTransfer> = transfers
+        .iter()
+        .filter(|transfer| transfer.from == from || transfer.from.is_empty() && transfer.to != from)
+        .collect();
+    let cells: u32 = theirs.iter().map(|transfer| transfer.cells).sum();
+    if cells == 0 {
+        return String::new();
+    }
+    let mut added: BTreeMap<&str, f64> = BTreeMap::new();
+    for transfer in &theirs {
+        added.insert(&transfer.to, transfer.added_s);
+    }
+    let list: Vec<String> = added.iter().map(|(to, added_s)| format!("{to} ({added_s:+.0} s)")).collect();
+    format!("{cells} cells to {}", list.join(", "))
+}
+
+const fn word_of(kind: ReplanCause) -> &'static str {
+    match kind {
+        ReplanCause::Unspecified => "PLAN",
+        ReplanCause::CauseStart => "START",
+        ReplanCause::CauseRobotLost => "LOST",
+        ReplanCause::CauseRobotHung => "HUNG",
+        ReplanCause::CauseRobotStuck => "STUCK",
+        ReplanCause::CauseRobotSlow => "SLOW",
+        ReplanCause::CauseBlockage => "BLOCKED",
+        ReplanCause::CauseLowBattery => "LOW BATTERY",
+        ReplanCause::CauseRobotJoined => "JOINED",
+        ReplanCause::CauseOperator => "OPERATOR",
+        ReplanCause::CauseResidual => "RESIDUAL",
+        ReplanCause::CauseZoneCleared => "ZONE CLEARED",
+        ReplanCause::CauseCharged => "CHARGED",
+        ReplanCause::CauseDeadlock => "DEADLOCK",
+        ReplanCause::CauseFinishedEarly => "REBALANCED",
+    }
+}
+
+const fn level_of(kind: ReplanCause) -> EventLevel {
+    match kind {
+        ReplanCause::CauseRobotLost
+        | ReplanCause::CauseRobotHung
+        | ReplanCause::CauseRobotStuck
+        | ReplanCause::CauseRobotSlow
+        | ReplanCause::CauseBlockage
+        | ReplanCause::CauseDeadlock => EventLevel::EventWarning,
+        _ => EventLevel::EventInfo,
+    }
+}

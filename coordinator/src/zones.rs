@@ -1,0 +1,283 @@
+//! Ground that must not be entered for now: blockages that were seen, and places where a robot was lost.
+//!
+//! A zone loses its cells one by one, as range scans of robots see through them; it never expires by itself.
+//!
+//! ```text
+//!            ·  ·  ·  beams
+//!      R ─ ─ ─ ─ ─ ( o ) ─ ─   a cell is seen free when every beam that meets the disc of a body
+//!            ·  ·  ·           at its centre comes out behind it, and no body could hide between beams
+//! ```
+
+use protocol::{
+    Timestamp,
+    v1::{self, UnreachableReason, ZoneType},
+};
+use std::collections::BTreeSet;
+use terrain::{Floor, Point, Segment, angle_between};
+
+/// Beams may be this far apart at the cell for a body not to hide between them, metres.
+const BEAM_SPACING_MAX_M: f64 = 0.2;
+/// What a hit may be nearer than the body's disc without meaning anything, metres (range noise).
+const HIT_SLACK_M: f64 = 0.03;
+
+/// One zone. Cells by their row-major number.
+#[derive(Debug, Clone)]
+pub(crate) struct Zone {
+    pub(crate) id: u64,
+    pub(crate) kind: ZoneType,
+    pub(crate) cells: BTreeSet<usize>,
+    /// Robot that reported it, or that was lost there.
+    pub(crate) cause: String,
+    pub(crate) since: Timestamp,
+    /// Before this moment a robot that is silent might still drive there.
+    pub(crate) locked_until: Timestamp,
+    /// How often a robot went to look whether it is free.
+    pub(crate) looks: u32,
+    pub(crate) next_look: Timestamp,
+}
+
+/// All zones, and a count of zones by cell.
+#[derive(Debug, Default)]
+pub(crate) struct Zones {
+    list: Vec<Zone>,
+    blocked: Vec<u16>,
+    next_id: u64,
+}
+
+impl Zones {
+    pub(crate) fn new(cells: usize) -> Self {
+        Self { list: Vec::new(), blocked: vec![0; cells], next_id: 1 }
+    }
+
+    /// Whether a cell lies in some zone.
+    pub(crate) fn holds(&self, index: usize) -> bool {
+        self.blocked[index] > 0
+    }
+
+    /// The zone that holds a cell.
+    pub(crate) fn at(&self, index: usize) -> Option<&Zone> {
+        self.list.iter().find(|zone| zone.cells.contains(&index))
+    }
+
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &Zone> {
+        self.list.iter()
+    }
+
+    pub(crate) fn get_mut(&mut self, id: u64) -> Option<&mut Zone> {
+        self.list.iter_mut().find(|zone| zone.id == id)
+    }
+
+    /// Adds a zone; cells of it that are known already stay with the older zone. Returns its id, or `None` when
+    /// nothing new is in it.
+    pub(crate) fn add(
+        &mut self,
+        kind: ZoneType,
+        cells: impl IntoIterator<Item = usize>,
+        cause: &str,
+        since: Timestamp,
+        locked_until: Timestamp,
+    ) -> Option<u64> {
+        let cells: BTreeSet<usize> = cells.into_iter().filter(|&index| self.blocked[index] == 0).collect();
+        if cells.is_empty() {
+            return None;
+        }
+        for &index in &cells {
+            self.blocked[index] += 1;
+        }
+        let id = self.next_id;
+        self.next_id += 1;
+        self.list.push(Zone {
+            id,
+            kind,
+            cells,
+            cause: cause.to_owned(),
+            since,
+            locked_until,
+            looks: 0,
+            next_look: since,
+        });
+        Some(id)
+    }
+
+    /// Drops the zones that a robot left behind when it was lost; it is back.
+    pub(crate) fn forget_quarantine_of(&mut self, robot: &str) -> bool {
+        let theirs = |zone: &Zone| zone.kind == ZoneType::ZoneQuarantine && zone.cause == robot;
+        let ids: Vec<u64> = self.list.iter().filter(|zone| theirs(zone)).map(|zone| zone.id).collect();
+        for &id in &ids {
+            self.remove(id);
+        }
+        !ids.is_empty()
+    }
+
+    fn remove(&mut self, id: u64) {
+        if let Some(at) = self.list.iter().position(|zone| zone.id == id) {
+            for index in self.list.remove(at).cells {
+                self.blocked[index] -= 1;
+            }
+        }
+    }
+
+    /// Takes cells out of the zones that `scan`, taken at `from`, sees through. Returns the cells freed.
+    pub(crate) fn clear_by_scan(
+        &mut self,
+        now: Timestamp,
+        floor: &Floor,
+        from: &v1::Pose,
+        scan: &v1::RangeScan,
+    ) -> Vec<usize> {
+        let eye = Point::new(from.x_m, from.y_m);
+        let mut freed = Vec::new();
+        for zone in self.list.iter_mut().filter(|zone| now >= zone.locked_until) {
+            let sees = |index: &usize| {
+                let center = floor.lattice().center(floor.lattice().cell(*index));
+                is_seen_free(eye, from.theta_rad, scan, center, floor.body_radius_m())
+            };
+            let seen: Vec<usize> = zone.cells.iter().copied().filter(|index| sees(index)).collect();
+            for index in seen {
+                zone.cells.remove(&index);
+                self.blocked[index] -= 1;
+                freed.push(index);
+            }
+        }
+        self.list.retain(|zone| !zone.cells.is_empty());
+        freed
+    }
+
+    /// For those who watch.
+    pub(crate) fn to_wire(&self, floor: &Floor) -> Vec<v1::Zone> {
+        let point = |&index: &usize| {
+            let center = floor.lattice().center(floor.lattice().cell(index));
+            v1::Point { x_m: center.x, y_m: center.y }
+        };
+        self.list
+            .iter()
+            .map(|zone| v1::Zone {
+                zone_id: zone.id,
+                zone_type: zone.kind.into(),
+                cells: zone.cells.iter().map(point).collect(),
+                cause: zone.cause.clone(),
+                since_ns: zone.since.as_nanos(),
+                reason: UnreachableReason::Obstacle.into(),
+            })
+            .collect()
+    }
+}
+
+/// Whether a scan shows that a disc of `radius_m` around `center` is empty.
+fn is_seen_free(eye: Point, heading: f64, scan: &v1::RangeScan, center: Point, radius_m: f64) -> bool {
+    let to = center - eye;
+    let distance = to.norm();
+    if distance + radius_m > scan.range_max_m
+        || distance * scan.angle_increment_rad.abs() > BEAM_SPACING_MAX_M
+    {
+        return false;
+    }
+    if distance <= radius_m {
+        return true; // the robot itself stands there
+    }
+    let bearing = to.y.atan2(to.x);
+    let mut crossing = 0;
+    for (beam, &range) in scan.ranges_m.iter().enumerate() {
+        let direction = heading + scan.angle_min_rad + scan.angle_increment_rad * beam as f64;
+        let off = angle_between(bearing, direction);
+        let miss = distance * off.sin();
+        if off.cos() <= 0.0 || miss.abs() >= radius_m {
+            continue;
+        }
+        crossing += 1;
+        let leaves = distance * off.cos() + (radius_m * radius_m - miss * miss).sqrt();
+        if f64::from(range) < leaves - HIT_SLACK_M {
+            return false;
+        }
+    }
+    crossing >= 2
+}
+
+/// The drivable cells that an obstacle with these surface points makes unusable for a body, and those at whose
+/// far side a planned edge would touch it.
+pub(crate) fn cells_blocked_by(floor: &Floor, hits: &[Point], edges: &[Segment]) -> BTreeSet<usize> {
+    let lattice = floor.lattice();
+    let reach = floor.body_radius_m() + 0.05;
+    let mut cells = BTreeSet::new();
+    for &hit in hits {
+        let low = Point::new(hit.x - reach, hit.y - reach);
+        let high = Point::new(hit.x + reach, hit.y + reach);
+        for cell in lattice.cells_in_box(low, high) {
+            let near = (lattice.center(cell) - hit).norm() < reach;
+            if near && floor.cell_is_drivable(cell) {
+                cells.extend(lattice.index(cell));
+            }
+        }
+        for edge in edges.iter().filter(|edge| edge.distance_to_point(hit) < reach) {
+            let ahead = lattice.cell_at(edge.to).and_then(|cell| lattice.index(cell));
+            cells.extend(ahead.filter(|&index| floor.is_drivable(index)));
+        }
+    }
+    cells
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use terrain::{Cell, GridMap};
+
+    fn floor() -> Floor {
+        let map = GridMap::from_drawing(&"..........\n".repeat(6), 0.5).unwrap();
+        Floor::new(&map, 0.5, 0.177, 0.75).unwrap()
+    }
+
+    fn scan(range: impl Fn(usize) -> f32) -> v1::RangeScan {
+        v1::RangeScan {
+            range_max_m: 3.0,
+            angle_min_rad: -std::f64::consts::PI,
+            angle_increment_rad: std::f64::consts::TAU / 48.0,
+            ranges_m: (0..48).map(range).collect(),
+        }
+    }
+
+    fn pose(x_m: f64, y_m: f64) -> v1::Pose {
+        v1::Pose { x_m, y_m, theta_rad: 0.0 }
+    }
+
+    #[test]
+    fn a_zone_is_freed_by_beams_that_pass_through_it() {
+        let floor = floor();
+        let index = floor.lattice().index(Cell::new(4, 2)).unwrap();
+        let mut zones = Zones::new(floor.lattice().len());
+        zones.add(ZoneType::ZoneBlocked, [index], "r1", Timestamp::ZERO, Timestamp::ZERO).unwrap();
+        let blocked_ahead = scan(|beam| if (20..=28).contains(&beam) { 0.8 } else { 3.0 });
+        assert!(zones.clear_by_scan(Timestamp::ZERO, &floor, &pose(1.25, 1.25), &blocked_ahead).is_empty());
+        assert!(zones.holds(index));
+        assert_eq!(zones.clear_by_scan(Timestamp::ZERO, &floor, &pose(1.25, 1.25), &scan(|_| 3.0)), [index]);
+        assert!(!zones.holds(index) && zones.iter().next().is_none());
+    }
+
+    #[test]
+    fn a_scan_from_far_away_frees_nothing() {
+        let floor = floor();
+        let index = floor.lattice().index(Cell::new(8, 2)).unwrap();
+        let mut zones = Zones::new(floor.lattice().len());
+        zones.add(ZoneType::ZoneBlocked, [index], "r1", Timestamp::ZERO, Timestamp::ZERO).unwrap();
+        assert!(zones.clear_by_scan(Timestamp::ZERO, &floor, &pose(1.75, 1.25), &scan(|_| 3.0)).is_empty());
+    }
+
+    #[test]
+    fn a_locked_zone_stays_until_the_lease_has_run_out() {
+        let floor = floor();
+        let index = floor.lattice().index(Cell::new(4, 2)).unwrap();
+        let mut zones = Zones::new(floor.lattice().len());
+        let later = Timestamp::from_secs_f64(3.0);
+        zones.add(ZoneType::ZoneQuarantine, [index], "r2", Timestamp::ZERO, later).unwrap();
+        assert!(zones.clear_by_scan(Timestamp::ZERO, &floor, &pose(1.25, 1.25), &scan(|_| 3.0)).is_empty());
+        assert_eq!(zones.clear_by_scan(later, &floor, &pose(1.25, 1.25), &scan(|_| 3.0)), [index]);
+    }
+
+    #[test]
+    fn an_obstacle_between_two_cells_blocks_the_edge() {
+        let floor = floor();
+        let (from, to) = (floor.lattice().center(Cell::new(3, 2)), floor.lattice().center(Cell::new(4, 2)));
+        let hit = Point::new(2.0, 1.25);
+        let cells = cells_blocked_by(&floor, &[hit], &[Segment::new(from, to)]);
+        assert!(cells.contains(&floor.lattice().index(Cell::new(4, 2)).unwrap()));
+    }
+}
