@@ -59,7 +59,7 @@ SCHEMA_OF_ROBOT_TOPIC = {
     "scan": "foxglove.LaserScan",
 }
 ATTACHMENTS = {"scenario.toml", "floor.pgm", "layout.json"}
-RUN_KEYS = {"mission_id", "seed", "cell_m", "body_radius_m", "tool_width_m", "map_origin_x_m", "map_resolution_m"}
+RUN_KEYS = {"mission_id", "seed", "cell_m", "body_radius_m", "tool_width_m", "coverage_tolerance_m", "map_origin_x_m", "map_resolution_m"}
 
 
 class Log:

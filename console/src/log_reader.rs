@@ -37,7 +37,7 @@ pub(crate) enum Ending {
 #[derive(Debug, Error)]
 pub enum LogError {
     /// The file cannot be opened or read.
-    #[error("cannot be read: {0}")]
+    #[error("cannot be read")]
     Io(#[from] std::io::Error),
     /// It is something else.
     #[error("is not an MCAP file")]

@@ -229,3 +229,25 @@ fn no_bytes_make_the_judge_panic() {
         let _ = verify_bytes(&log[..draw(log.len())]);
     }
 }
+
+#[test]
+fn lengths_are_limited_before_anything_is_allocated() {
+    let magic = b"\x89MCAP0\r\n";
+    let record = |opcode: u8, declared: u64, body: &[u8]| {
+        [magic.as_slice(), &[opcode], &declared.to_le_bytes(), body].concat()
+    };
+    let chunk_of_a_terabyte = {
+        let mut body = vec![0; 16];
+        body.extend((1_u64 << 40).to_le_bytes());
+        body.extend([1, 2, 3, 4]);
+        body.extend(4_u32.to_le_bytes());
+        body.extend(b"zstd");
+        body.extend(8_u64.to_le_bytes());
+        body.extend([0; 8]);
+        record(6, body.len() as u64, &body)
+    };
+    assert!(matches!(verify_bytes(&chunk_of_a_terabyte), Err(LogError::Damaged(_))));
+    assert!(matches!(verify_bytes(&record(12, 1 << 50, b"abc")), Err(LogError::Damaged(_))));
+    let name_of_four_gigabytes = record(12, 8, &[0xff; 8]);
+    assert!(matches!(verify_bytes(&name_of_four_gigabytes), Err(LogError::Damaged(_))));
+}

@@ -112,7 +112,7 @@ impl Judge {
         let mut reached = SweptRaster::new(*floor.lattice());
         while let Some(cell) = queue.pop_front() {
             let center = floor.lattice().center(cell);
-            reached.sweep(Segment::new(center, center), self.run.tool_width_m / 2.0, |_| {});
+            reached.sweep(Segment::new(center, center), floor.tool_width_m() / 2.0, |_| {});
             queue.extend(floor.neighbours(cell).filter(|&next| seen.insert(next)));
         }
         reached
@@ -207,6 +207,7 @@ impl Judge {
         let share = |samples: u64| 100.0 * samples as f64 / comparison.coverable_samples.max(1) as f64;
         CoverageFigures {
             coverable_m2: self.area_m2(comparison.coverable_samples),
+            rim_m2: self.run.rim_m2,
             truly_swept_m2: self.area_m2(comparison.truly_swept_samples),
             truly_swept_percent: share(comparison.truly_swept_samples),
             reported_swept_m2: self.area_m2(comparison.reported_samples),

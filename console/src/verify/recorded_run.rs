@@ -9,7 +9,10 @@ use terrain::{Floor, GridMap, Point};
 pub(crate) struct RecordedRun {
     pub(crate) mission_id: String,
     pub(crate) map: GridMap,
+    /// The floor for a tool that is smaller by the tolerance of the coverage: what is demanded.
     pub(crate) floor: Floor,
+    /// What only the rim of the whole tool could reach, and is not demanded.
+    pub(crate) rim_m2: f64,
     pub(crate) body_radius_m: f64,
     pub(crate) tool_width_m: f64,
 }
@@ -42,10 +45,16 @@ impl RunHead {
         let map = map_from_pgm(picture, self.number("map_resolution_m")?, origin)?;
         let body_radius_m = self.number("body_radius_m")?;
         let tool_width_m = self.number("tool_width_m")?;
-        let floor = Floor::new(&map, self.number("cell_m")?, body_radius_m, tool_width_m)
-            .map_err(|error| LogError::Foreign(error.to_string()))?;
+        let tolerance_m = self.number("coverage_tolerance_m")?;
+        let cell_m = self.number("cell_m")?;
+        let floor_for = |tool_width_m: f64| {
+            Floor::new(&map, cell_m, body_radius_m, tool_width_m)
+                .map_err(|error| LogError::Foreign(error.to_string()))
+        };
+        let floor = floor_for(tool_width_m - 2.0 * tolerance_m)?;
+        let rim_m2 = floor_for(tool_width_m)?.coverable_m2() - floor.coverable_m2();
         let mission_id = self.facts.get("mission_id").cloned().unwrap_or_default();
-        Ok(RecordedRun { mission_id, map, floor, body_radius_m, tool_width_m })
+        Ok(RecordedRun { mission_id, map, floor, rim_m2, body_radius_m, tool_width_m })
     }
 
     fn number(&self, key: &str) -> Result<f64, LogError> {

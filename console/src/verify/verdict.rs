@@ -47,8 +47,10 @@ pub struct Verdict {
 /// Areas.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct CoverageFigures {
-    /// What the tools can reach, square metres.
+    /// What the tools can reach with the tolerance that the run allowed for pose errors, square metres.
     pub coverable_m2: f64,
+    /// What only the rim of a tool that follows its path exactly could reach besides; it is not demanded.
+    pub rim_m2: f64,
     /// What they swept of it by their true poses, square metres.
     pub truly_swept_m2: f64,
     /// The same in percent.
@@ -148,7 +150,10 @@ impl Verdict {
             lowest.map_or_else(|| "-".to_owned(), |(robot, percent)| format!("{percent:.1} % ({robot})"));
         vec![
             ("mission", format!("{}: {}", self.mission_id, self.last_word())),
-            ("coverable", format!("{:.2} m²", coverage.coverable_m2)),
+            (
+                "coverable",
+                format!("{:.2} m² (and {:.2} m² by the rim)", coverage.coverable_m2, coverage.rim_m2),
+            ),
             (
                 "truly swept",
                 format!("{:.2} m² ({:.2} %)", coverage.truly_swept_m2, coverage.truly_swept_percent),
