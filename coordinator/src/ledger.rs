@@ -272,3 +272,98 @@ fn cell_run(row: u32, column: u32, status: Status, names: &[&str]) -> v1::CellRu
     };
     v1::CellRun { row, column, length: 1, status: wire.into(), reason: reason.into(), serial_number }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use terrain::{Cell, GridMap};
+
+    fn ledger() -> Ledger {
+        let map = GridMap::from_drawing(
+            "
+            .....
+            ..#..
+            .....",
+            0.5,
+        )
+        .unwrap();
+        let floor = Arc::new(Floor::new(&map, 0.5, 0.177, 0.71).unwrap());
+        let required = (0..15).map(|index| floor.required(index)).collect();
+        Ledger::new(floor, required)
+    }
+
+    fn at(x: f64, y: f64) -> Point {
+        Point::new(x, y)
+    }
+
+    fn all(progress: &v1::CoverageProgress) -> u32 {
+        progress.cells_unassigned
+            + progress.cells_assigned
+            + progress.cells_covered
+            + progress.cells_unreachable
+            + progress.cells_excluded
+            + progress.cells_lost
+    }
+
+    #[test]
+    fn a_cell_is_covered_when_all_of_it_is_swept_and_not_before() {
+        let mut ledger = ledger();
+        assert_eq!(ledger.sweep(0, Segment::new(at(0.0, 0.25), at(0.10, 0.25)), 0.355), 0);
+        assert_eq!(ledger.status(0), Status::Unassigned);
+        assert_eq!(ledger.sweep(0, Segment::new(at(0.10, 0.25), at(0.27, 0.25)), 0.355), 1);
+        assert_eq!(ledger.status(0), Status::Covered(0));
+    }
+
+    #[test]
+    fn every_cell_is_in_exactly_one_state() {
+        let mut ledger = ledger();
+        for index in 0..10 {
+            ledger.assign(index, index % 2);
+        }
+        ledger.sweep(1, Segment::new(at(0.25, 0.25), at(2.25, 0.25)), 0.355);
+        ledger.lose(Segment::new(at(0.25, 0.75), at(0.75, 0.75)), 0.355);
+        ledger.give_up(13, UnreachableReason::Obstacle);
+        let progress = ledger.progress();
+        assert_eq!(all(&progress), progress.cells_total);
+        assert_eq!(progress.cells_covered, 5);
+        assert_eq!(progress.cells_excluded, 1);
+        assert_eq!(progress.cells_unreachable, 1);
+        assert!(progress.cells_lost >= 2);
+    }
+
+    #[test]
+    fn what_was_covered_stays_covered() {
+        let mut ledger = ledger();
+        ledger.sweep(1, Segment::new(at(0.25, 0.25), at(2.25, 0.25)), 0.355);
+        ledger.assign(0, 0);
+        ledger.give_up(1, UnreachableReason::Obstacle);
+        ledger.lose(Segment::new(at(0.25, 0.25), at(2.25, 0.25)), 0.1);
+        assert!((0..5).all(|index| ledger.status(index) == Status::Covered(1)));
+    }
+
+    #[test]
+    fn the_first_delta_states_all_cells_and_the_next_only_changes() {
+        let mut ledger = ledger();
+        let first = ledger.take_delta(Timestamp::ZERO, &["r1", "r2"]).unwrap();
+        assert_eq!(first.runs.iter().map(|run| run.length).sum::<u32>(), 15);
+        assert!(first.lattice.is_some());
+        assert_eq!(ledger.take_delta(Timestamp::ZERO, &["r1", "r2"]), None);
+        ledger.assign(3, 1);
+        ledger.assign(4, 1);
+        let next = ledger.take_delta(Timestamp::ZERO, &["r1", "r2"]).unwrap();
+        assert_eq!(next.sequence, 2);
+        assert_eq!(next.runs.len(), 1);
+        assert_eq!((next.runs[0].column, next.runs[0].length), (3, 2));
+        assert_eq!(next.runs[0].serial_number, "r2");
+    }
+
+    #[test]
+    fn a_cell_driven_over_without_a_pose_is_lost_and_open() {
+        let mut ledger = ledger();
+        let cell = ledger.floor.lattice().index(Cell::new(1, 0)).unwrap();
+        ledger.assign(cell, 0);
+        ledger.lose(Segment::new(at(0.75, 0.25), at(0.8, 0.25)), 0.3);
+        assert_eq!(ledger.status(cell), Status::Lost);
+        assert!(ledger.open_cells().any(|open| open == cell));
+    }
+}

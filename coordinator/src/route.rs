@@ -216,3 +216,74 @@ impl Route {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn places(columns: std::ops::RangeInclusive<i32>) -> Vec<Waypoint> {
+        columns
+            .map(|x| Waypoint {
+                point: Point::new(f64::from(x), 0.0),
+                cell: Some(Cell::new(x, 0)),
+                tool_active: true,
+            })
+            .collect()
+    }
+
+    fn route_of(nodes: i32) -> Route {
+        let mut route = Route::default();
+        route.restart(7, Point::new(0.0, 0.0));
+        route.stitch(1, places(1..=nodes), Ending::Stay);
+        route
+    }
+
+    #[test]
+    fn a_new_plan_is_stitched_to_the_end_of_the_base() {
+        let mut route = route_of(5);
+        route.release_next();
+        route.release_next();
+        route.stitch(2, places(10..=12), Ending::Stay);
+        let xs: Vec<f64> = route.ahead().map(|node| node.point.x).collect();
+        assert_eq!(xs, [0.0, 1.0, 2.0, 10.0, 11.0, 12.0]);
+        assert_eq!((route.released(), route.update_id()), (3, 2));
+    }
+
+    #[test]
+    fn what_is_passed_is_forgotten_and_numbers_go_on() {
+        let mut route = route_of(5);
+        route.release_next();
+        route.release_next();
+        assert!(route.pass(2));
+        assert!(!route.pass(2), "the same again is no news");
+        assert!(route.pass(99), "never further than the base");
+        assert_eq!(route.passed(), 3);
+        assert_eq!(route.base_end().map(|node| node.point.x), Some(2.0));
+        assert_eq!(route.node(1), None);
+    }
+
+    #[test]
+    fn an_order_is_a_window_that_begins_with_the_stitching_node() {
+        let mut route = route_of(1000);
+        assert!(route.wants_window());
+        route.open_window();
+        let order = route.to_order(1, 1, 42);
+        assert_eq!(order.nodes.first().map(|node| node.sequence_id), Some(1));
+        assert_eq!(order.nodes.len() as u64, WINDOW + 1);
+        assert!(!order.complete && !route.wants_window());
+        for _ in 0..WINDOW / 2 + 1 {
+            route.release_next();
+        }
+        assert!(route.wants_window());
+        let before = route.update_id();
+        route.open_window();
+        assert_eq!(route.update_id(), before + 1, "more nodes are an update");
+    }
+
+    #[test]
+    fn a_short_order_is_complete_at_once() {
+        let mut route = route_of(3);
+        route.open_window();
+        assert!(route.to_order(1, 1, 42).complete);
+    }
+}

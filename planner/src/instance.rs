@@ -40,7 +40,7 @@ pub struct Instance<'a> {
     pub floor: &'a Floor,
     /// Cells whose centre must be passed with the tool on.
     pub visit: Vec<bool>,
-    /// Cells that must not be entered now (blockages, quarantine). A start may lie in one: it may be left.
+    /// Cells that must not be entered now (blockages, quarantine). Those in which a robot starts count as open.
     pub blocked: Vec<bool>,
     /// Where the robots are.
     pub starts: Vec<Start>,
@@ -95,6 +95,45 @@ impl<'a> Instance<'a> {
             Self { floor, visit: blocked.clone(), blocked, starts, motion, mode, stations: Vec::new() };
         instance.visit = instance.reachable();
         instance
+    }
+
+    /// The same with the cells open in which robots stand: they are there, so it can be stood on.
+    #[must_use]
+    pub fn with_open_starts(&self) -> Self {
+        let mut open = self.clone();
+        for start in &self.starts {
+            if let Some(index) = self.floor.lattice().index(start.cell) {
+                open.blocked[index] = false;
+            }
+        }
+        open
+    }
+
+    /// Row-major: number of the connected piece of open ground a cell belongs to; `u32::MAX` for closed ones.
+    pub fn components(&self) -> Vec<u32> {
+        let lattice = self.floor.lattice();
+        let mut component = vec![u32::MAX; lattice.len()];
+        let mut stack: Vec<Cell> = Vec::new();
+        let mut count = 0;
+        for cell in lattice.cells() {
+            let index = lattice.index(cell).expect("cells() gives cells of the lattice");
+            if component[index] != u32::MAX || !self.is_open(cell) {
+                continue;
+            }
+            component[index] = count;
+            stack.push(cell);
+            while let Some(at) = stack.pop() {
+                for next in self.neighbours(at) {
+                    let index = lattice.index(next).expect("a neighbour is on the lattice");
+                    if component[index] == u32::MAX {
+                        component[index] = count;
+                        stack.push(next);
+                    }
+                }
+            }
+            count += 1;
+        }
+        component
     }
 
     /// Whether a robot may stand in a cell now.

@@ -5,9 +5,14 @@
 //! runs one planner of the table [`PLANNERS`] and then [`verify()`], which knows nothing of how a plan is made.
 //! No clock, no files, no network, no global randomness: same instance and seed, same plan.
 
+mod bricks;
+mod circumnavigation;
+mod division;
 mod instance;
 mod plan;
 pub mod planners;
+mod shortest_way;
+mod spanning_graph;
 mod verify;
 
 pub use instance::{Instance, InstanceError, Mode, Start};
@@ -74,8 +79,74 @@ pub fn plan(instance: &Instance<'_>, options: &PlanOptions) -> Result<VerifiedPl
     let planner = planners::by_name(&options.planner)
         .ok_or_else(|| PlanError::UnknownPlanner(options.planner.clone()))?;
     instance.check()?;
+    let instance = &instance.with_open_starts();
+    let reachable = instance.reachable();
+    let lost = (0..reachable.len()).find(|&index| instance.visit[index] && !reachable[index]);
+    if let Some(index) = lost {
+        return Err(PlanError::Unreachable(instance.floor.lattice().cell(index)));
+    }
     let plan = (planner.plan)(instance, options)?;
     let figures =
         verify(instance, &plan).map_err(|source| PlanError::Refuted { planner: planner.name, source })?;
     Ok(VerifiedPlan::new(plan, figures, planner.name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use terrain::{Floor, Lattice, MotionModel, Point};
+
+    const MOTION: MotionModel = MotionModel {
+        speed_m_per_s: 0.5,
+        acceleration_m_per_s2: 0.6,
+        angular_speed_rad_per_s: 0.8,
+        angular_acceleration_rad_per_s2: f64::INFINITY,
+        brakes: true,
+    };
+
+    fn floor(columns: u32, rows: u32, free: &[bool]) -> Floor {
+        let lattice = Lattice { origin: Point::origin(), cell_m: 0.5, columns, rows };
+        Floor::from_cells(lattice, free, 0.177, 0.75)
+    }
+
+    prop_compose! {
+        /// A ragged floor, some of it to be visited, some blocked, and robots on it.
+        fn mission()(columns in 2_u32..14, rows in 2_u32..14, robots in 1_usize..6)(
+            free in prop::collection::vec(prop::bool::weighted(0.8), (columns * rows) as usize),
+            wanted in prop::collection::vec(prop::bool::weighted(0.7), (columns * rows) as usize),
+            blocked in prop::collection::vec(prop::bool::weighted(0.1), (columns * rows) as usize),
+            starts in prop::collection::vec(0..(columns * rows) as usize, robots),
+            comes_back in any::<bool>(),
+            columns in Just(columns),
+            rows in Just(rows),
+        ) -> (Floor, Vec<bool>, Vec<bool>, Vec<usize>, bool) {
+            (floor(columns, rows, &free), wanted, blocked, starts, comes_back)
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(400))]
+        #[test]
+        fn every_planner_leaves_no_gap((floor, wanted, blocked, starts, comes_back) in mission()) {
+            let drivable: Vec<usize> = (0..floor.lattice().len()).filter(|&i| floor.is_drivable(i)).collect();
+            prop_assume!(!drivable.is_empty());
+            let starts: Vec<Start> = starts
+                .iter()
+                .map(|start| Start::at(floor.lattice().cell(drivable[start % drivable.len()])))
+                .collect();
+            let mode = if comes_back { Mode::CoverAndReturn } else { Mode::Cover };
+            let mut instance = Instance::whole_floor(&floor, starts, MOTION, mode);
+            instance.blocked = blocked;
+            let open = instance.with_open_starts().reachable();
+            instance.visit = (0..open.len()).map(|i| open[i] && wanted[i]).collect();
+            prop_assume!(instance.visit.contains(&true));
+            for planner in PLANNERS {
+                let options = PlanOptions { planner: planner.name.to_owned(), ..PlanOptions::default() };
+                let planned = plan(&instance, &options);
+                prop_assert!(planned.is_ok(), "{}: {:?}", planner.name, planned);
+                prop_assert_eq!(&planned, &plan(&instance, &options), "{} is deterministic", planner.name);
+            }
+        }
+    }
 }

@@ -1,5 +1,8 @@
 //! The table of planners. A new one is one file and one row here.
 
+mod stc;
+mod tmstc_star;
+
 use crate::{Instance, Plan, PlanError, PlanOptions};
 
 /// One row of the table.
@@ -14,7 +17,10 @@ pub struct Planner {
 }
 
 /// Every planner, in the order of the README's table.
-pub const PLANNERS: &[Planner] = &[];
+pub const PLANNERS: &[Planner] = &[
+    Planner { name: "tmstc-star", paper: "Lu, Zeng, Tang, Lam and Wen 2023", plan: tmstc_star::plan },
+    Planner { name: "stc", paper: "Gabriely and Rimon 2001", plan: stc::plan },
+];
 
 /// The row with this name.
 pub fn by_name(name: &str) -> Option<&'static Planner> {

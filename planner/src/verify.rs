@@ -1,7 +1,7 @@
 //! Checks any plan, knowing nothing of how it was made: complete, connected, on free ground.
 
-use crate::{Instance, Plan};
-use terrain::Cell;
+use crate::{Instance, Mode, Plan, Route};
+use terrain::{Cell, Direction, Segment, SweptRaster, angle_between};
 use thiserror::Error;
 
 /// What a plan costs, measured from its points alone.
@@ -71,6 +71,120 @@ pub enum VerifyError {
 /// # Errors
 ///
 /// [`VerifyError`]: the first thing found wrong.
-pub fn verify(_instance: &Instance<'_>, _plan: &Plan) -> Result<Figures, VerifyError> {
-    todo!("planner work")
+pub fn verify(instance: &Instance<'_>, plan: &Plan) -> Result<Figures, VerifyError> {
+    let expected = instance.starts.len();
+    if plan.routes.len() != expected {
+        return Err(VerifyError::RouteCount { found: plan.routes.len(), expected });
+    }
+    let lattice = *instance.floor.lattice();
+    let mut entered = vec![0_u32; lattice.len()];
+    let mut raster = SweptRaster::new(lattice);
+    for (robot, route) in plan.routes.iter().enumerate() {
+        check_route(instance, robot, route, &mut entered)?;
+        sweep(instance, route, &mut raster);
+    }
+    if let Some(index) = (0..lattice.len()).find(|&index| instance.visit[index] && entered[index] == 0) {
+        return Err(VerifyError::Gap(lattice.cell(index)));
+    }
+    Ok(measure(instance, plan, &entered, &raster))
+}
+
+fn check_route(
+    instance: &Instance<'_>,
+    robot: usize,
+    route: &Route,
+    entered: &mut [u32],
+) -> Result<(), VerifyError> {
+    let start = instance.starts[robot].cell;
+    let Some(&first) = route.points.first() else { return Ok(()) };
+    if let Some(point) = route.points.iter().position(|point| !(point.x.is_finite() && point.y.is_finite())) {
+        return Err(VerifyError::NotFinite { robot, point });
+    }
+    let lattice = instance.floor.lattice();
+    if (first - lattice.center(start)).norm() > 1e-6 {
+        return Err(VerifyError::WrongStart { robot, start });
+    }
+    let index_of = |cell: Cell| lattice.index(cell);
+    let mut before = start;
+    enter(entered, index_of(start));
+    for (number, &point) in route.points.iter().enumerate().skip(1) {
+        let off_ground = VerifyError::OffGround { robot, from: number - 1, to: number };
+        let cell = lattice.cell_at(point).ok_or_else(|| off_ground.clone())?;
+        let index = index_of(cell).ok_or_else(|| off_ground.clone())?;
+        let open_move = cell == before
+            || Direction::between(before, cell).is_some_and(|way| instance.floor.can_move(before, way));
+        if !open_move || instance.blocked[index] || (point - lattice.center(cell)).norm() > 1e-6 {
+            return Err(off_ground);
+        }
+        enter(entered, Some(index));
+        before = cell;
+    }
+    if instance.mode == Mode::CoverAndReturn && before != start {
+        return Err(VerifyError::NoReturn(robot));
+    }
+    Ok(())
+}
+
+fn enter(entered: &mut [u32], index: Option<usize>) {
+    if let Some(index) = index {
+        entered[index] += 1;
+    }
+}
+
+fn sweep(instance: &Instance<'_>, route: &Route, raster: &mut SweptRaster) {
+    let radius_m = instance.floor.tool_width_m() / 2.0;
+    for pair in route.points.windows(2) {
+        raster.sweep(Segment::new(pair[0], pair[1]), radius_m, |_| {});
+    }
+    if let [only] = route.points[..] {
+        raster.sweep(Segment::new(only, only), radius_m, |_| {});
+    }
+}
+
+fn measure(instance: &Instance<'_>, plan: &Plan, entered: &[u32], raster: &SweptRaster) -> Figures {
+    let cost_s: Vec<f64> = plan
+        .routes
+        .iter()
+        .zip(&instance.starts)
+        .map(|(route, start)| match route.points.len() {
+            0 | 1 => 0.0,
+            _ => start.available_in_s + instance.motion.path_s(&route.points, start.heading_rad),
+        })
+        .collect();
+    let (mut wanted, mut swept) = (0_u64, 0_u64);
+    for index in (0..entered.len()).filter(|&index| instance.visit[index]) {
+        let required = instance.floor.required(index);
+        wanted += u64::from(required.count_ones());
+        swept += u64::from((required & raster.samples(index)).count_ones());
+    }
+    let entries: u64 = entered.iter().map(|&times| u64::from(times)).sum();
+    let again: u64 = entered.iter().map(|&times| u64::from(times.saturating_sub(1))).sum();
+    Figures {
+        makespan_s: cost_s.iter().copied().fold(0.0, f64::max),
+        cost_s,
+        length_m: plan.routes.iter().map(length_m).collect(),
+        turns: plan.routes.iter().map(turns).collect(),
+        coverage_ratio: if wanted == 0 { 1.0 } else { swept as f64 / wanted as f64 },
+        overlap_ratio: if entries == 0 { 0.0 } else { again as f64 / entries as f64 },
+    }
+}
+
+fn length_m(route: &Route) -> f64 {
+    route.points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum()
+}
+
+fn turns(route: &Route) -> u32 {
+    let mut heading: Option<f64> = None;
+    let mut turns = 0;
+    for pair in route.points.windows(2) {
+        let step = pair[1] - pair[0];
+        if step.norm() < 1e-9 {
+            continue;
+        }
+        let towards = step.y.atan2(step.x);
+        let turned = heading.is_some_and(|from| angle_between(from, towards).abs() > 1.0_f64.to_radians());
+        turns += u32::from(turned);
+        heading = Some(towards);
+    }
+    turns
 }

@@ -1,0 +1,54 @@
+//! STC: spanning tree coverage.
+//!
+//! **Problem.** Cover all cells of a grid with as little driving as possible.
+//! **Idea.** Join 2 × 2 cells to mega cells; grow a spanning tree over the mega cells that touch; drive around the
+//! tree. The walk is closed and passes each cell once. For several robots the walk is divided by cost
+//! (`division.rs`). The tree grows depth first along rows, or along columns: the one with fewer turns is taken.
+//! **Guarantee.** Each cell of a whole mega cell is passed exactly once; where blocks are partly to be visited,
+//! missing quarters are bridged by shortest ways.
+//! **Complexity.** O(n) for the tree and the walk, O(k n) for the division.
+//! **Paper.** Y. Gabriely, E. Rimon: Spanning-tree based coverage of continuous areas by a mobile robot. Annals of
+//! Mathematics and Artificial Intelligence 31, 2001.
+//! **Departures.** Partly visited mega cells and several pieces are allowed; the paper takes whole ones, connected.
+
+use crate::{
+    Instance, Plan, PlanError, PlanOptions,
+    circumnavigation::{Forest, loops},
+    division::divide,
+    spanning_graph::{Node, SpanningGraph},
+};
+use terrain::Direction;
+
+/// Plans.
+pub(super) fn plan(instance: &Instance<'_>, _options: &PlanOptions) -> Result<Plan, PlanError> {
+    let graph = SpanningGraph::new(instance);
+    let along_rows =
+        depth_first(&graph, [Direction::East, Direction::West, Direction::North, Direction::South]);
+    let along_columns =
+        depth_first(&graph, [Direction::North, Direction::South, Direction::East, Direction::West]);
+    let forest = if along_columns.turns() < along_rows.turns() { along_columns } else { along_rows };
+    divide(instance, loops(&graph, &forest))
+}
+
+/// A forest grown depth first, trying directions in a fixed order.
+fn depth_first(graph: &SpanningGraph, order: [Direction; 4]) -> Forest {
+    let mut forest = Forest::new(graph);
+    let mut reached = vec![false; graph.len()];
+    for root in 0..graph.len() as Node {
+        if reached[root as usize] {
+            continue;
+        }
+        reached[root as usize] = true;
+        let mut stack = vec![(root, 0)];
+        while let Some((node, tried)) = stack.pop() {
+            let Some(&direction) = order.get(tried) else { continue };
+            stack.push((node, tried + 1));
+            if let Some(next) = graph.neighbour(node, direction).filter(|&next| !reached[next as usize]) {
+                reached[next as usize] = true;
+                forest.join(node, direction, next);
+                stack.push((next, 0));
+            }
+        }
+    }
+    forest
+}
