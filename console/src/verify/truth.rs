@@ -15,6 +15,7 @@ pub(crate) struct Step<'a> {
     pub(crate) now: &'a v1::BodyTruth,
     pub(crate) from: Point,
     pub(crate) to: Point,
+    pub(crate) seconds: f64,
 }
 
 impl Step<'_> {
@@ -75,6 +76,7 @@ impl TruthBefore {
                 now,
                 from,
                 to,
+                seconds: step_s,
             })
         };
         truth.bodies.iter().filter_map(step_of).collect()
