@@ -146,8 +146,8 @@ def read(path, cut):
         try:
             for record in StreamReader(stream, validate_crcs=True).records:
                 log.take(record)
-        except EndOfFile:
-            if not cut:
+        except (EndOfFile, struct.error):  # the package says either when a record stops short
+            if not cut or stream.read(1):
                 log.wrong.append("the file ends in the middle of a record")
         except McapError as error:
             log.wrong.append(f"{type(error).__name__}: {error}")

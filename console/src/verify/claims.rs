@@ -103,11 +103,14 @@ impl Judge {
         comparison
     }
 
-    /// What the tool could reach from where the robots stood first.
+    /// What the tool could reach from where the robots stood first; from anywhere, when nobody knows that.
     fn reachable(&self) -> SweptRaster {
         let floor = &self.run.floor;
         let starts = self.starts.values().filter_map(|&start| floor.nearest_drivable(&self.run.map, start));
         let mut queue: VecDeque<Cell> = starts.collect();
+        if queue.is_empty() {
+            queue.extend(floor.lattice().cells().filter(|&cell| floor.cell_is_drivable(cell)));
+        }
         let mut seen: BTreeSet<Cell> = queue.iter().copied().collect();
         let mut reached = SweptRaster::new(*floor.lattice());
         while let Some(cell) = queue.pop_front() {
