@@ -59,7 +59,7 @@ SCHEMA_OF_ROBOT_TOPIC = {
     "scan": "foxglove.LaserScan",
 }
 ATTACHMENTS = {"scenario.toml", "floor.pgm", "layout.json"}
-RUN_KEYS = {"mission_id", "seed", "cell_m", "body_radius_m", "tool_width_m", "map_origin_x_m", "map_resolution_m"}
+RUN_KEYS = {"mission_id", "seed", "cell_m", "body_radius_m", "tool_width_m", "coverage_tolerance_m", "map_origin_x_m", "map_resolution_m"}
 
 
 class Log:
@@ -146,8 +146,8 @@ def read(path, cut):
         try:
             for record in StreamReader(stream, validate_crcs=True).records:
                 log.take(record)
-        except EndOfFile:
-            if not cut:
+        except (EndOfFile, struct.error):  # the package says either when a record stops short
+            if not cut or stream.read(1):
                 log.wrong.append("the file ends in the middle of a record")
         except McapError as error:
             log.wrong.append(f"{type(error).__name__}: {error}")

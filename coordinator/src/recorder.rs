@@ -11,7 +11,7 @@
 //! it with virtual time. The same records at the same times give the same bytes. A chunk is written whole by each
 //! flush, so a file that was cut off by `kill -9` reads well up to the last flush.
 //!
-//! Time in the log is mission time after a fixed day ([`EPOCH_NS`]): viewers show dates, and two runs of one seed
+//! Time in the log is mission time after a fixed day ([`protocol::LOG_EPOCH_NS`]): viewers show dates, and two runs of one seed
 //! can be compared byte for byte.
 
 mod grid_picture;
@@ -40,11 +40,12 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use terrain::GridMap;
 
-/// Start of the mission's clock in the log: 2026-01-01T00:00:00Z, in nanoseconds since 1970.
-pub const EPOCH_NS: u64 = 1_767_225_600_000_000_000;
-
 /// Larger maps are attached, not drawn.
 const MAP_SQUARES_MAX: u64 = 4 << 20;
+
+/// Robots with topics of their own; more than a fleet has, fewer than would fill the file with topics.
+const ROBOTS_MAX: usize = 1024;
+const UNKNOWN_ROBOT: &str = "unknown";
 
 /// One thing to be logged.
 #[derive(Debug, Clone)]
@@ -200,18 +201,19 @@ impl<W: Write> Recorder<W> {
     }
 
     fn state(&mut self, state: &v1::State) -> Result<(), RecordError> {
-        let tf = self.topics.tf;
-        self.know(id_of(state.header.as_ref()))?;
-        let Some(robot) = self.robots.get_mut(id_of(state.header.as_ref())) else { return Ok(()) };
-        self.file.write(robot.state, state)?;
-        robot.view.draw_state(&mut self.file, tf, state)
+        let id = id_of(state.header.as_ref());
+        let topic = self.know(id)?.state;
+        self.file.write(topic, state)?;
+        match self.robots.get_mut(id) {
+            Some(robot) => robot.view.draw_state(&mut self.file, self.topics.tf, state),
+            None => Ok(()),
+        }
     }
 
     fn order(&mut self, id: &str, order: &v1::Order) -> Result<(), RecordError> {
-        self.know(id)?;
-        let robot = &self.robots[id];
-        self.file.write(robot.order, order)?;
-        robot.view.draw_order(&mut self.file, order)
+        let topic = self.know(id)?.order;
+        self.file.write(topic, order)?;
+        self.robots.get(id).map_or(Ok(()), |robot| robot.view.draw_order(&mut self.file, order))
     }
 
     fn publication(&mut self, publication: &Publication) -> Result<(), RecordError> {
@@ -267,6 +269,8 @@ impl<W: Write> Recorder<W> {
     }
 
     fn know(&mut self, robot: &str) -> Result<&mut RobotLog, RecordError> {
+        let room = self.robots.len() < ROBOTS_MAX || self.robots.contains_key(robot);
+        let robot = if room { robot } else { UNKNOWN_ROBOT };
         if !self.robots.contains_key(robot) {
             let log = RobotLog::new(&mut self.file, robot)?;
             self.robots.insert(robot.to_owned(), log);
@@ -337,8 +341,10 @@ impl RobotLog {
     }
 }
 
+/// Who a message is from; whoever gives no good id is logged under `unknown`.
 fn id_of(header: Option<&v1::Header>) -> &str {
-    header.map_or("unknown", |header| header.serial_number.as_str())
+    let id = header.map(|header| header.serial_number.as_str());
+    id.filter(|id| protocol::valid_id(id)).unwrap_or(UNKNOWN_ROBOT)
 }
 
 /// The fixed frame comes before everything: a viewer hides what it cannot place.

@@ -31,5 +31,5 @@ pub mod v1 {
 }
 
 pub use encoding::{DESCRIPTORS, DecodeError, MESSAGE_BYTES_MAX, decode, encode};
-pub use timestamp::Timestamp;
+pub use timestamp::{LOG_EPOCH_NS, Timestamp};
 pub use validation::{Bounds, Invalid, Validate, valid_id};

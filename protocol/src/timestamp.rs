@@ -4,6 +4,10 @@ use serde::{Deserialize, Serialize};
 use std::ops::{Add, Sub};
 use std::time::Duration;
 
+/// Start of the mission's clock in the log: 2026-01-01T00:00:00Z, in nanoseconds since 1970. Fixed, so that viewers
+/// show dates and two runs of one seed are the same byte for byte.
+pub const LOG_EPOCH_NS: u64 = 1_767_225_600_000_000_000;
+
 /// Nanoseconds since the start of a clock: the mission's for the coordinator and the sim (virtual in a
 /// rehearsal, the machine's times the speed factor otherwise), an agent's own for the agent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default, Serialize, Deserialize)]

@@ -1,12 +1,11 @@
 //! The MCAP file itself: schemas, topics, messages; every setting that decides about its bytes stands here.
 
-use super::EPOCH_NS;
 use foxglove::Schema;
 use mcap::records::{MessageHeader, Metadata};
 use mcap::write::NoSeek;
 use mcap::{Attachment, Compression, McapError, WriteOptions, Writer};
 use prost::Message;
-use protocol::Timestamp;
+use protocol::{LOG_EPOCH_NS, Timestamp};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -60,7 +59,7 @@ impl<W: Write> LogFile<W> {
     }
 
     fn log_time(&self) -> u64 {
-        EPOCH_NS.saturating_add(self.now.as_nanos())
+        LOG_EPOCH_NS.saturating_add(self.now.as_nanos())
     }
 
     pub(super) fn add_topic(&mut self, topic: &str, schema: &Schema) -> Result<TopicId, RecordError> {

@@ -46,8 +46,13 @@ impl Write for Shared {
 
 /// The whole run, as a log.
 pub fn recorded() -> Vec<u8> {
+    recorded_with(|_, _| {})
+}
+
+/// The whole run, as a log, with records changed on their way: `twist(seconds, record)`.
+pub fn recorded_with(twist: impl FnMut(f64, &mut Record)) -> Vec<u8> {
     let mut recorder = Recorder::new(Vec::new(), &run_info()).unwrap();
-    play(&mut recorder, END_S + 1.0);
+    play(&mut recorder, END_S + 1.0, twist);
     recorder.finish().unwrap()
 }
 
@@ -55,7 +60,7 @@ pub fn recorded() -> Vec<u8> {
 pub fn recorded_until(until_s: f64) -> (Vec<u8>, usize) {
     let bytes = Shared::default();
     let mut recorder = Recorder::new(bytes.clone(), &run_info()).unwrap();
-    play(&mut recorder, until_s);
+    play(&mut recorder, until_s, |_, _| {});
     recorder.flush().unwrap();
     let flushed = bytes.0.borrow().len();
     std::mem::forget(recorder);
@@ -109,8 +114,9 @@ fn cells_done(robot: usize, at_s: f64) -> usize {
     ((at_s * SPEED_M_PER_S / CELL_M) as usize + 1).min(route(robot).len())
 }
 
-fn play<W: Write>(recorder: &mut Recorder<W>, until_s: f64) {
-    let mut record = |at_s: f64, record: Record| {
+fn play<W: Write>(recorder: &mut Recorder<W>, until_s: f64, mut twist: impl FnMut(f64, &mut Record)) {
+    let mut record = |at_s: f64, mut record: Record| {
+        twist(at_s, &mut record);
         recorder.record(Timestamp::from_secs_f64(at_s), &record).unwrap();
     };
     for robot in 0..2 {
@@ -118,7 +124,7 @@ fn play<W: Write>(recorder: &mut Recorder<W>, until_s: f64) {
         record(0.0, order(robot));
     }
     record(0.0, delta(1, &first_runs(), Some(geometry())));
-    let mut done = [0, 0];
+    let mut done = [0_usize; 2];
     let mut sequence = 1;
     for tick in 0.. {
         let at_s = f64::from(tick) / 10.0;
@@ -126,16 +132,16 @@ fn play<W: Write>(recorder: &mut Recorder<W>, until_s: f64) {
             break;
         }
         record(at_s, Record::Truth(Box::new(truth(tick, at_s))));
-        for robot in 0..2 {
+        for (robot, done) in done.iter_mut().enumerate() {
             record(at_s, Record::State(Box::new(state(robot, at_s))));
             record(at_s, Record::Grant { robot: name(robot), grant: v1::Grant::default() });
-            let now_done = cells_done(robot, at_s);
-            if now_done > done[robot] {
+            let done_now = cells_done(robot, at_s);
+            if done_now > *done {
                 sequence += 1;
                 let runs: Vec<_> =
-                    route(robot)[done[robot]..now_done].iter().map(|&cell| run(cell, robot)).collect();
+                    route(robot)[*done..done_now].iter().map(|&cell| run(cell, robot)).collect();
                 record(at_s, delta(sequence, &runs, None));
-                done[robot] = now_done;
+                *done = done_now;
             }
         }
         if tick % 10 == 0 {
