@@ -271,7 +271,7 @@ mod tests {
         assert_eq!(order.nodes.first().map(|node| node.sequence_id), Some(1));
         assert_eq!(order.nodes.len() as u64, WINDOW + 1);
         assert!(!order.complete && !route.wants_window());
-        for _ in 0..WINDOW / 2 + 1 {
+        for _ in 0..=WINDOW / 2 {
             route.release_next();
         }
         assert!(route.wants_window());
