@@ -1,1 +1,24 @@
 //! The world the robots live in, its faults, and a rehearsal of the whole fleet in one thread.
+
+mod battery;
+mod body;
+mod clearance;
+mod collisions;
+mod contact;
+mod drive;
+mod floor_crew;
+mod localisation;
+mod obstacle;
+mod people;
+mod random_streams;
+mod range_finder;
+mod scenario;
+mod station;
+#[cfg(test)]
+mod testing;
+mod world;
+
+pub use drive::{Refusal, WATCHDOG};
+pub use obstacle::Shape;
+pub use scenario::*;
+pub use world::{STEP, World};
