@@ -140,8 +140,8 @@ impl Body {
             asked.angular_speed_rad_per_s.clamp(-top_turn, top_turn),
             limits.angular_acceleration_rad_per_s2 * step_s,
         );
-        let way_m = (was.0 + self.speed_m_per_s) / 2.0 * step_s;
-        let turn_rad = (was.1 + self.angular_speed_rad_per_s) / 2.0 * step_s;
+        let way_m = f64::midpoint(was.0, self.speed_m_per_s) * step_s;
+        let turn_rad = f64::midpoint(was.1, self.angular_speed_rad_per_s) * step_s;
         if way_m == 0.0 && turn_rad == 0.0 {
             self.proposed = self.pose;
             return;

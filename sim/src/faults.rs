@@ -352,7 +352,7 @@ mod tests {
         world.command("kind = \"block\"\nx_m = 3.25\ny_m = 1.25\nwidth_m = 0.5\nheight_m = 2.0").unwrap();
         testing::drive(&mut world, 0, 1.0, 0.0, 4.0);
         let contacts = world.take_contacts();
-        assert_eq!((contacts.len(), contacts[0].other.as_str()), (1, "b1"));
+        assert_eq!((contacts.len(), contacts[0].other.as_str()), (1, "blockage-1"));
         assert!(world.bodies[0].position().x < 3.0 - world.body_radius_m());
     }
 

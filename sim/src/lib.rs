@@ -2,6 +2,7 @@
 
 mod battery;
 mod body;
+mod checkers;
 mod clearance;
 mod collisions;
 mod contact;
@@ -9,17 +10,26 @@ mod drive;
 mod faults;
 mod floor_crew;
 mod localisation;
+mod network;
 mod obstacle;
 mod people;
+mod random_story;
 mod random_streams;
 mod range_finder;
+mod rehearsal;
 mod scenario;
+mod session;
 mod station;
 #[cfg(test)]
 mod testing;
+mod transcript;
 mod world;
 
+pub use checkers::Violation;
 pub use drive::{Refusal, WATCHDOG};
 pub use faults::{Fault, FaultEntry, ProcessAction};
+pub use random_story::{random_faults, random_story};
+pub use rehearsal::{Options, Outcome, Rehearsal, Sink};
 pub use scenario::*;
+pub use transcript::Transcript;
 pub use world::{STEP, World};

@@ -162,7 +162,7 @@ mod tests {
     fn distances_are_to_the_outline() {
         assert!((BOX.distance_m(Point::new(0.0, 1.0)) - 1.0).abs() < 1e-12);
         assert!((BOX.distance_m(Point::new(4.0, 2.5)) - 2.0_f64.sqrt()).abs() < 1e-12);
-        assert_eq!(BOX.distance_m(Point::new(2.5, 1.2)), 0.0);
+        assert!(BOX.distance_m(Point::new(2.5, 1.2)) < 1e-12);
         assert!((DISC.distance_m(Point::new(2.0, 3.0)) - 1.5).abs() < 1e-12);
     }
 

@@ -49,6 +49,12 @@ pub(crate) struct SeenRobot {
     pub(crate) body_radius_m: f64,
 }
 
+impl SeenRobot {
+    fn gap_m(&self, person: Point) -> f64 {
+        (person - self.position).norm() - self.body_radius_m - PERSON_RADIUS_M
+    }
+}
+
 impl Person {
     pub(crate) fn new(id: String, seed: u64, position: Point, walk: Walk) -> Self {
         let rng = stream(seed, "person", &id);
@@ -85,7 +91,7 @@ impl Person {
         let next = self.position + step;
         let mut in_the_way = false;
         for (number, robot) in robots {
-            let (before_m, after_m) = (self.gap_m(self.position, &robot), self.gap_m(next, &robot));
+            let (before_m, after_m) = (robot.gap_m(self.position), robot.gap_m(next));
             let nearer = after_m < before_m;
             if nearer && after_m < 0.0 {
                 self.give_up(now);
@@ -95,10 +101,6 @@ impl Person {
         }
         self.walk_or_wait(now, next, in_the_way);
         None
-    }
-
-    fn gap_m(&self, at: Point, robot: &SeenRobot) -> f64 {
-        (at - robot.position).norm() - robot.body_radius_m - PERSON_RADIUS_M
     }
 
     fn walk_or_wait(&mut self, now: Timestamp, next: Point, in_the_way: bool) {
@@ -147,7 +149,7 @@ mod tests {
     use super::*;
 
     fn hall() -> GridMap {
-        GridMap::from_drawing(&vec!["............"; 12].join("\n"), 1.0).unwrap()
+        GridMap::from_drawing(&["............"; 12].join("\n"), 1.0).unwrap()
     }
 
     fn person(careless: bool) -> Person {

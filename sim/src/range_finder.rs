@@ -113,7 +113,7 @@ mod tests {
     use terrain::{GridMap, Vector};
 
     fn walls() -> Clearance {
-        Clearance::new(&GridMap::from_drawing(&vec![".........."; 10].join("\n"), 1.0).unwrap())
+        Clearance::new(&GridMap::from_drawing(&[".........."; 10].join("\n"), 1.0).unwrap())
     }
 
     fn pose(x: f64, y: f64, theta: f64) -> Pose {

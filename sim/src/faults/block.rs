@@ -113,7 +113,7 @@ impl World {
             return false;
         }
         self.obstacle_count += 1;
-        let id = format!("b{}", self.obstacle_count);
+        let id = format!("blockage-{}", self.obstacle_count);
         let until = self.after(delivery.for_s);
         self.obstacles.push(Obstacle { id: id.clone(), shape, until });
         let at = shape.centre();

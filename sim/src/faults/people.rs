@@ -52,7 +52,7 @@ impl FaultKind for People {
         };
         for _ in 0..self.count {
             world.person_count += 1;
-            let id = format!("p{}", world.person_count);
+            let id = format!("person-{}", world.person_count);
             if let Some(at) = world.place_for_person(&id) {
                 world.people.push(Person::new(id, world.seed, at, walk));
             }

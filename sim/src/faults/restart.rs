@@ -28,7 +28,7 @@ impl FaultKind for Restart {
 
     fn check(&self, scenario: &Scenario) -> Result<(), String> {
         robot(scenario, &self.robot)?;
-        number("after_s", self.after_s, 0.0, 1e6)
+        number("after_s", self.after_s, 0.1, 1e6)
     }
 
     fn inject(&self, world: &mut World) -> Option<String> {
