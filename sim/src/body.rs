@@ -115,10 +115,6 @@ impl Body {
         self.battery.is_empty()
     }
 
-    pub(crate) fn is_moving(&self) -> bool {
-        self.speed_m_per_s != 0.0 || self.angular_speed_rad_per_s != 0.0
-    }
-
     pub(crate) fn is_radio_jammed(&self) -> bool {
         self.ailments.cut.is_some()
     }

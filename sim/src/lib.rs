@@ -6,6 +6,7 @@ mod clearance;
 mod collisions;
 mod contact;
 mod drive;
+mod faults;
 mod floor_crew;
 mod localisation;
 mod obstacle;
@@ -19,6 +20,6 @@ mod testing;
 mod world;
 
 pub use drive::{Refusal, WATCHDOG};
-pub use obstacle::Shape;
+pub use faults::{Fault, FaultEntry, ProcessAction};
 pub use scenario::*;
 pub use world::{STEP, World};

@@ -1,14 +1,11 @@
 //! Things on the floor that no map knows: pallets, spills, people.
 
 use protocol::{Timestamp, v1};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 use terrain::{Point, Segment};
 
 /// The outline of an obstacle.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, rename_all = "snake_case")]
-pub enum Shape {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Shape {
     /// A disc.
     Disc {
         /// Its middle, metres.
@@ -33,7 +30,7 @@ pub enum Shape {
 
 impl Shape {
     /// Its middle.
-    pub fn centre(&self) -> Point {
+    pub(crate) fn centre(&self) -> Point {
         match *self {
             Self::Disc { x_m, y_m, .. } | Self::Rectangle { x_m, y_m, .. } => Point::new(x_m, y_m),
         }
@@ -48,7 +45,7 @@ impl Shape {
     }
 
     /// Distance from a point to its outline, metres; 0 inside.
-    pub fn distance_m(&self, point: Point) -> f64 {
+    pub(crate) fn distance_m(&self, point: Point) -> f64 {
         let from = point - self.centre();
         match *self {
             Self::Disc { radius_m, .. } => (from.norm() - radius_m).max(0.0),

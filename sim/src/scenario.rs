@@ -28,6 +28,7 @@ pub use mission::MissionTable;
 pub use physics::{CarryOff, SimTable};
 pub use station::StationEntry;
 
+use crate::faults::FaultEntry;
 use coordinator::{Config, Mission, Station, Timing};
 use error::{Refused, line_at, line_of};
 use protocol::v1;
@@ -64,6 +65,9 @@ pub struct ScenarioFile {
     /// The link between robots and coordinator, in rehearsals.
     #[serde(default)]
     pub network: NetworkTable,
+    /// What goes wrong, and when.
+    #[serde(default, rename = "fault")]
+    pub faults: Vec<FaultEntry>,
 }
 
 impl ScenarioFile {
@@ -143,14 +147,18 @@ impl Scenario {
             (None, false) => {}
         }
         check::check_places(&file, &map, &floor)?;
-        Ok(Self {
+        let scenario = Self {
             file,
             text: String::new(),
             path: PathBuf::new(),
             map_path: PathBuf::new(),
             map: Arc::new(map),
             floor: Arc::new(floor),
-        })
+        };
+        for (number, fault) in scenario.file.faults.iter().enumerate() {
+            fault.check(&scenario).map_err(|what| Refused::new(format!("fault[{number}]"), what))?;
+        }
+        Ok(scenario)
     }
 
     /// What the coordinator is told at its start.

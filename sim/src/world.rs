@@ -13,6 +13,7 @@ use crate::{
     clearance::Clearance,
     contact::Touches,
     drive::WATCHDOG,
+    faults::{Delivery, FaultEntry, ProcessAction},
     obstacle::Obstacle,
     people::{Person, SeenRobot},
     range_finder::RangeFinder,
@@ -22,7 +23,7 @@ use crate::{
 use protocol::{Timestamp, v1};
 use std::sync::Arc;
 use std::time::Duration;
-use terrain::{Point, Segment, SweptRaster};
+use terrain::{Point, SweptRaster};
 
 /// One step of the world.
 pub const STEP: Duration = Duration::from_millis(20);
@@ -46,6 +47,15 @@ pub struct World {
     pub(crate) touches: Touches,
     pub(crate) contacts: Vec<v1::Contact>,
     pub(crate) told: Vec<v1::FaultInjected>,
+    /// Faults that wait for their time.
+    pub(crate) plot: Vec<FaultEntry>,
+    /// What is to be done to processes, and when.
+    pub(crate) agenda: Vec<(Timestamp, ProcessAction)>,
+    /// What waits to be put on the floor.
+    pub(crate) deliveries: Vec<Delivery>,
+    pub(crate) covered_percent: f64,
+    pub(crate) obstacle_count: u32,
+    pub(crate) person_count: u32,
     finder: RangeFinder,
     description: v1::Factsheet,
     swept: SweptRaster,
@@ -76,6 +86,12 @@ impl World {
             touches: Touches::default(),
             contacts: Vec::new(),
             told: Vec::new(),
+            plot: file.faults.clone(),
+            agenda: Vec::new(),
+            deliveries: Vec::new(),
+            covered_percent: 0.0,
+            obstacle_count: 0,
+            person_count: 0,
             finder: RangeFinder::new(file.robot.range_finder_m, file.robot.beams),
             description: file.robot.factsheet(),
             swept: SweptRaster::new(*scenario.floor.lattice()),
@@ -100,6 +116,8 @@ impl World {
     pub fn step(&mut self) {
         self.ticks += 1;
         self.now = self.now + STEP;
+        self.follow_plot();
+        self.deliver();
         self.step_people();
         self.tool_changed = false;
         for body in &mut self.bodies {
@@ -301,11 +319,6 @@ impl World {
     fn remove_obstacles(&mut self) {
         let now = self.now;
         self.obstacles.retain(|obstacle| obstacle.until.is_none_or(|until| now < until));
-    }
-
-    /// Whether the way from a robot to a place nearby is free of walls, for its body.
-    pub(crate) fn way_is_free(&self, way: Segment) -> bool {
-        self.scenario.map.capsule_is_free(way, self.body_radius_m())
     }
 }
 
