@@ -5,6 +5,8 @@
 
 mod agent;
 mod base;
+#[cfg(feature = "driver")]
+pub mod driver;
 mod lease;
 mod localisation;
 mod obstacle_watch;

@@ -1,6 +1,12 @@
 //! Obstacles that the map does not know: waited for, then made a zone, then seen free again.
 
-use crate::{Coordinator, ledger::RobotIndex, replan::Cause, robot::Phase, zones};
+use crate::{
+    Coordinator,
+    ledger::{RobotIndex, Status},
+    replan::Cause,
+    robot::Phase,
+    zones,
+};
 use protocol::{
     Timestamp,
     v1::{self, ErrorType, EventLevel, ReplanCause, ZoneType},
@@ -9,8 +15,37 @@ use terrain::{Point, Segment};
 
 /// Hits of a scan as near as this to a wall of the map are the wall, metres.
 const WALL_SLACK_M: f64 = 0.1;
+/// Sightings are gathered until none has come for so long.
+const GATHER_S: f64 = 4.0;
 /// Other hits as near as this to a blockage belong to it, metres.
 const SAME_OBSTACLE_M: f64 = 0.8;
+
+/// Cells seen free, gathered until a robot has driven past all of a zone.
+#[derive(Debug, Default)]
+pub(crate) struct Sightings {
+    cells: usize,
+    by: RobotIndex,
+    first: Timestamp,
+    last: Timestamp,
+}
+
+impl Sightings {
+    fn note(&mut self, now: Timestamp, by: RobotIndex, cells: usize) {
+        if self.cells == 0 {
+            self.first = now;
+        }
+        self.cells += cells;
+        self.by = by;
+        self.last = now;
+    }
+
+    /// What was seen, once it is complete; at once when a robot has nothing else to do.
+    fn take(&mut self, now: Timestamp, idle: bool) -> Option<(RobotIndex, usize)> {
+        let complete = now.secs_since(self.last) > GATHER_S || now.secs_since(self.first) > 4.0 * GATHER_S;
+        let pause = now.secs_since(self.last) > 1.0;
+        (self.cells > 0 && (complete || idle && pause)).then(|| (self.by, std::mem::take(&mut self.cells)))
+    }
+}
 
 impl Coordinator {
     /// Lets a robot's scan free zones.
@@ -24,18 +59,22 @@ impl Coordinator {
         if freed.is_empty() {
             return;
         }
-        let id = self.robots[index].id.clone();
-        let text = format!("{} cells seen free", freed.len());
-        self.announcer.event(now, EventLevel::EventInfo, &id, "CLEARED", &text);
+        self.sightings.note(now, index, freed.len());
         self.zones_changed();
-        let cut_off = self.ledger.open_cells().any(|cell| {
-            matches!(
-                self.ledger.status(cell),
-                crate::ledger::Status::Unassigned | crate::ledger::Status::Lost
-            )
-        });
-        if cut_off {
+    }
+
+    /// When nothing more has been seen free for a moment, what was is taken up.
+    pub(crate) fn check_sightings(&mut self, now: Timestamp) {
+        let idle = self.coverers().iter().any(|&robot| self.robots[robot].route.is_done());
+        let Some((index, cells)) = self.sightings.take(now, idle) else { return };
+        let text = format!("{cells} cells seen free");
+        let left =
+            self.ledger.open_cells().any(|cell| !matches!(self.ledger.status(cell), Status::Assigned(_)));
+        if left {
             self.need_plan(now, Cause::of(ReplanCause::CauseZoneCleared, index, &text));
+        } else {
+            let id = self.robots[index].id.clone();
+            self.announcer.event(now, EventLevel::EventInfo, &id, "ZONE CLEARED", &text);
         }
     }
 

@@ -81,6 +81,7 @@ impl Coordinator {
         }
         let Some(reason) = self.must_charge(index) else { return };
         self.forget_errand(index);
+        self.orphan_route(index);
         let charge = self.robots[index].charge_percent();
         let text = format!("{charge:.0} % left, {reason}");
         if self.assign_station(now, index) {

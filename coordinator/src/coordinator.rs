@@ -45,6 +45,9 @@ pub struct Coordinator {
     pub(crate) mission_began: Option<Timestamp>,
     pub(crate) robots_lost: u32,
     pub(crate) next_order_id: u64,
+    /// Routes that have lost their robot since the last plan.
+    pub(crate) orphans: Vec<Vec<Cell>>,
+    pub(crate) sightings: crate::blockage::Sightings,
     pub(crate) idle_checks: crate::ending::IdleChecks,
     next_tick: Timestamp,
     next_waits: Timestamp,
@@ -81,6 +84,8 @@ impl Coordinator {
             mission_began: None,
             robots_lost: 0,
             next_order_id: 1,
+            orphans: Vec::new(),
+            sightings: crate::blockage::Sightings::default(),
             idle_checks: crate::ending::IdleChecks::default(),
             next_tick: Timestamp::ZERO,
             next_waits: Timestamp::ZERO,
@@ -145,6 +150,7 @@ impl Coordinator {
             self.check_presence(now);
             self.check_obstacles(now);
             self.check_stations(now);
+            self.check_sightings(now);
             if now >= self.next_waits {
                 self.next_waits = now + Duration::from_millis(500);
                 self.resolve_waits(now);

@@ -8,6 +8,8 @@ mod blockage;
 mod charging;
 mod config;
 mod coordinator;
+#[cfg(feature = "driver")]
+pub mod driver;
 mod ending;
 mod energy;
 mod input;

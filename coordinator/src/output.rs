@@ -73,6 +73,10 @@ pub struct PlanRequest {
     pub mode: Mode,
     /// Chargers.
     pub stations: Vec<Cell>,
+    /// Per robot: what it is driving already.
+    pub incumbent: Vec<Vec<Cell>>,
+    /// Routes that have lost their robot.
+    pub orphans: Vec<Vec<Cell>>,
     /// How to plan.
     pub options: PlanOptions,
 }
@@ -92,6 +96,8 @@ impl PlanRequest {
             motion: self.motion,
             mode: self.mode,
             stations: self.stations.clone(),
+            incumbent: self.incumbent.clone(),
+            orphans: self.orphans.clone(),
         };
         planner::plan(&instance, &self.options)
     }

@@ -146,6 +146,7 @@ impl Coordinator {
     /// A new start of the agent: it knows nothing of what was granted before. What the old one was granted stays
     /// locked until that lease has run out.
     fn begin_boot(&mut self, now: Timestamp, index: RobotIndex, boot_id: u64) {
+        self.orphan_route(index);
         let robot = &mut self.robots[index];
         if robot.boot_id != 0 && robot.boot_id != boot_id {
             robot.retire_base();
@@ -201,6 +202,7 @@ impl Coordinator {
     /// Takes a robot's ground away and begins a new order where it stands.
     pub(crate) fn restart_route(&mut self, _now: Timestamp, index: RobotIndex) {
         let order_id = self.fresh_order_id();
+        self.orphan_route(index);
         let robot = &mut self.robots[index];
         let Some(position) = robot.position() else { return };
         if robot.route.order_id() != 0 {
@@ -305,6 +307,7 @@ impl Coordinator {
     /// No new ground, and the horizon goes to others.
     fn suspect(&mut self, now: Timestamp, index: RobotIndex, cause: ReplanCause, text: &str) {
         self.forget_errand(index);
+        self.orphan_route(index);
         let robot = &mut self.robots[index];
         robot.phase = Phase::Suspect;
         robot.silent_since = robot.heard;
@@ -327,7 +330,7 @@ impl Coordinator {
         self.robots_lost += 1;
         let text =
             format!("no state for {silence_s:.1} s; its ground stays locked until its lease has run out");
-        self.announcer.event(now, EventLevel::EventWarning, &id, "LOST", &text);
+        self.announcer.event(now, EventLevel::EventWarning, &id, "LOCKED", &text);
         self.check_quarantine(now, index);
     }
 
@@ -383,6 +386,7 @@ impl Coordinator {
         if still_s > self.config.timing.stuck_after_s || (says_stuck && still_s > 3.0) {
             let text = format!("has not moved for {still_s:.1} s on free ground");
             self.forget_errand(index);
+            self.orphan_route(index);
             let robot = &mut self.robots[index];
             robot.stuck = true;
             robot.route.cut_horizon();

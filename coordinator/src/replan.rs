@@ -153,6 +153,7 @@ impl Coordinator {
             return None;
         }
         let owners = self.owners(&visit);
+        let (incumbent, orphans) = self.under_way(&robots);
         let revision = self.replanning.revision + 1;
         let flight = InFlight {
             revision,
@@ -169,9 +170,43 @@ impl Coordinator {
         let floor = Arc::clone(&self.floor);
         let mode = Mode::Cover;
         Some((
-            PlanRequest { revision, floor, visit, blocked, starts, motion, mode, stations, options },
+            PlanRequest {
+                revision,
+                floor,
+                visit,
+                blocked,
+                starts,
+                motion,
+                mode,
+                stations,
+                incumbent,
+                orphans,
+                options,
+            },
             flight,
         ))
+    }
+
+    /// What is driven already, and the routes without a robot. Nothing when nothing is.
+    fn under_way(&mut self, robots: &[RobotIndex]) -> (Vec<Vec<Cell>>, Vec<Vec<Cell>>) {
+        let incumbent: Vec<Vec<Cell>> = robots.iter().map(|&robot| self.horizon_cells(robot)).collect();
+        let orphans = std::mem::take(&mut self.orphans);
+        if orphans.is_empty() && incumbent.iter().all(Vec::is_empty) {
+            return (Vec::new(), Vec::new());
+        }
+        (incumbent, orphans)
+    }
+
+    fn horizon_cells(&self, robot: RobotIndex) -> Vec<Cell> {
+        self.robots[robot].route.horizon().filter_map(|node| node.cell).collect()
+    }
+
+    /// A robot gives its route away: the planner may cut it up and hand it to others.
+    pub(crate) fn orphan_route(&mut self, robot: RobotIndex) {
+        let cells: Vec<Cell> = self.robots[robot].route.ahead().filter_map(|node| node.cell).collect();
+        if !cells.is_empty() {
+            self.orphans.push(cells);
+        }
     }
 
     /// Zones, and ground held by robots that will not move by themselves.

@@ -224,7 +224,8 @@ impl Coordinator {
         if robot.phase != Phase::Ready || robot.stuck || matches!(robot.errand, Errand::Charging(_)) {
             return false;
         }
-        let has_way = !robot.route.is_done() && robot.wait.is_none() && robot.hold.is_none();
+        let goes_aside = robot.hold.is_none_or(|hold| robot.route.passed() < hold.at);
+        let has_way = !robot.route.is_done() && robot.wait.is_none() && goes_aside;
         has_way && (robot.obstacle_since.is_none() || now.secs_since(robot.moved_at) < 1.0)
     }
 

@@ -118,7 +118,8 @@ fn lay_out(
     for (number, &cell) in cells.iter().enumerate() {
         if number > 0 {
             let before = cells[number - 1];
-            let way = join(instance, before, cell, finder)?;
+            let mut way = vec![before];
+            finder.go(instance, before, cell, &mut way)?;
             for pair in way.windows(2) {
                 let step = (pair[1].x - pair[0].x, pair[1].y - pair[0].y);
                 now_s += move_s(instance) + heading.map_or(0.0, |from| turn_s(instance, from, step));
@@ -128,20 +129,6 @@ fn lay_out(
         clock.push(now_s);
     }
     Ok(Sequence { cells, clock })
-}
-
-fn join(
-    instance: &Instance<'_>,
-    from: Cell,
-    to: Cell,
-    finder: &mut WayFinder,
-) -> Result<Vec<Cell>, PlanError> {
-    let touching =
-        terrain::Direction::between(from, to).is_some_and(|way| instance.floor.can_move(from, way));
-    if touching {
-        return Ok(vec![from, to]);
-    }
-    finder.way(instance, from, to).ok_or(PlanError::Unreachable(to))
 }
 
 fn move_s(instance: &Instance<'_>) -> f64 {
@@ -336,15 +323,11 @@ fn drive(
     let mut way = vec![start];
     for &cell in cells {
         let from = *way.last().expect("it begins with the start");
-        if from != cell {
-            way.extend(join(instance, from, cell, finder)?.into_iter().skip(1));
-        }
+        finder.go(instance, from, cell, &mut way)?;
     }
     if instance.mode == Mode::CoverAndReturn {
         let from = *way.last().expect("it begins with the start");
-        if from != start {
-            way.extend(join(instance, from, start, finder)?.into_iter().skip(1));
-        }
+        finder.go(instance, from, start, &mut way)?;
     }
     Ok(Route { points: way.into_iter().map(|cell| instance.center(cell)).collect() })
 }

@@ -50,6 +50,11 @@ pub struct Instance<'a> {
     pub mode: Mode,
     /// Chargers, as cells.
     pub stations: Vec<Cell>,
+    /// Per robot, what it is driving already: the cells of its route from its start on. Empty when nothing is under
+    /// way. A planner's answer is compared with a repair of these.
+    pub incumbent: Vec<Vec<Cell>>,
+    /// Routes that have lost their robot, in their order.
+    pub orphans: Vec<Vec<Cell>>,
 }
 
 /// Why an instance is not sound.
@@ -91,8 +96,17 @@ impl<'a> Instance<'a> {
     /// All drivable cells of a floor that can be reached from some start, to be covered by robots at rest.
     pub fn whole_floor(floor: &'a Floor, starts: Vec<Start>, motion: MotionModel, mode: Mode) -> Self {
         let blocked = vec![false; floor.lattice().len()];
-        let mut instance =
-            Self { floor, visit: blocked.clone(), blocked, starts, motion, mode, stations: Vec::new() };
+        let mut instance = Self {
+            floor,
+            visit: blocked.clone(),
+            blocked,
+            starts,
+            motion,
+            mode,
+            stations: Vec::new(),
+            incumbent: Vec::new(),
+            orphans: Vec::new(),
+        };
         instance.visit = instance.reachable();
         instance
     }

@@ -11,6 +11,7 @@ mod division;
 mod instance;
 mod plan;
 pub mod planners;
+mod repair;
 mod shortest_way;
 mod spanning_graph;
 mod verify;
@@ -70,7 +71,8 @@ pub enum PlanError {
     },
 }
 
-/// Plans with the planner named in `options`, and verifies what it made.
+/// Plans with the planner named in `options`, and verifies what it made. Where routes are under way, the answer is
+/// compared with a repair of them, and the one with the smaller makespan is given.
 ///
 /// # Errors
 ///
@@ -85,10 +87,17 @@ pub fn plan(instance: &Instance<'_>, options: &PlanOptions) -> Result<VerifiedPl
     if let Some(index) = lost {
         return Err(PlanError::Unreachable(instance.floor.lattice().cell(index)));
     }
-    let plan = (planner.plan)(instance, options)?;
-    let figures =
-        verify(instance, &plan).map_err(|source| PlanError::Refuted { planner: planner.name, source })?;
-    Ok(VerifiedPlan::new(plan, figures, planner.name))
+    let fresh = (planner.plan)(instance, options)?;
+    let fresh = checked(instance, fresh, planner.name)?;
+    let Some(repaired) = repair::repair(instance)? else { return Ok(fresh) };
+    let repaired = checked(instance, repaired, "repair")?;
+    let better = repaired.figures().makespan_s <= fresh.figures().makespan_s;
+    Ok(if better { repaired } else { fresh })
+}
+
+fn checked(instance: &Instance<'_>, plan: Plan, planner: &'static str) -> Result<VerifiedPlan, PlanError> {
+    let figures = verify(instance, &plan).map_err(|source| PlanError::Refuted { planner, source })?;
+    Ok(VerifiedPlan::new(plan, figures, planner))
 }
 
 #[cfg(test)]
@@ -118,17 +127,20 @@ mod tests {
             blocked in prop::collection::vec(prop::bool::weighted(0.1), (columns * rows) as usize),
             starts in prop::collection::vec(0..(columns * rows) as usize, robots),
             comes_back in any::<bool>(),
+            repairs in any::<bool>(),
             columns in Just(columns),
             rows in Just(rows),
-        ) -> (Floor, Vec<bool>, Vec<bool>, Vec<usize>, bool) {
-            (floor(columns, rows, &free), wanted, blocked, starts, comes_back)
+        ) -> (Floor, Vec<bool>, Vec<bool>, Vec<usize>, [bool; 2]) {
+            (floor(columns, rows, &free), wanted, blocked, starts, [comes_back, repairs])
         }
     }
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(400))]
         #[test]
-        fn every_planner_leaves_no_gap((floor, wanted, blocked, starts, comes_back) in mission()) {
+        fn every_planner_leaves_no_gap(
+            (floor, wanted, blocked, starts, [comes_back, repairs]) in mission()
+        ) {
             let drivable: Vec<usize> = (0..floor.lattice().len()).filter(|&i| floor.is_drivable(i)).collect();
             prop_assume!(!drivable.is_empty());
             let starts: Vec<Start> = starts
@@ -141,6 +153,14 @@ mod tests {
             let open = instance.with_open_starts().reachable();
             instance.visit = (0..open.len()).map(|i| open[i] && wanted[i]).collect();
             prop_assume!(instance.visit.contains(&true));
+            if repairs {
+                let order: Vec<Cell> = floor.lattice().cells().collect();
+                let share = order.len() / instance.starts.len() + 1;
+                let mut parts: Vec<Vec<Cell>> = order.chunks(share).map(<[Cell]>::to_vec).collect();
+                parts.resize(instance.starts.len(), Vec::new());
+                instance.orphans = vec![std::mem::take(&mut parts[0])];
+                instance.incumbent = parts;
+            }
             for planner in PLANNERS {
                 let options = PlanOptions { planner: planner.name.to_owned(), ..PlanOptions::default() };
                 let planned = plan(&instance, &options);

@@ -1,7 +1,7 @@
 //! The table of planners. A new one is one file and one row here.
 
 mod stc;
-mod tmstc_star;
+pub(crate) mod tmstc_star;
 
 use crate::{Instance, Plan, PlanError, PlanOptions};
 

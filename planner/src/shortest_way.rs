@@ -1,6 +1,6 @@
 //! Shortest drivable ways between cells, in moves; straight on where there is a choice.
 
-use crate::Instance;
+use crate::{Instance, PlanError};
 use std::collections::VecDeque;
 use terrain::{Cell, Direction};
 
@@ -48,6 +48,24 @@ impl WayFinder {
             }
         }
         None
+    }
+
+    /// Goes on from the last cell of `way` to another one: one move where they touch, else a shortest way.
+    pub(crate) fn go(
+        &mut self,
+        instance: &Instance<'_>,
+        from: Cell,
+        to: Cell,
+        way: &mut Vec<Cell>,
+    ) -> Result<(), PlanError> {
+        let touching = Direction::between(from, to).is_some_and(|side| instance.floor.can_move(from, side));
+        if touching {
+            way.push(to);
+        } else if from != to {
+            let between = self.way(instance, from, to).ok_or(PlanError::Unreachable(to))?;
+            way.extend(between.into_iter().skip(1));
+        }
+        Ok(())
     }
 
     fn trace(&self, instance: &Instance<'_>, from: Cell, to: Cell) -> Vec<Cell> {

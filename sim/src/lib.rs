@@ -7,6 +7,8 @@ mod clearance;
 mod collisions;
 mod contact;
 mod drive;
+#[cfg(feature = "driver")]
+pub mod driver;
 mod faults;
 mod floor_crew;
 mod localisation;
