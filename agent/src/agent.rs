@@ -19,6 +19,10 @@ use terrain::MotionModel;
 const FACTSHEET_EVERY: Duration = Duration::from_secs(2);
 /// A refused order is reported for so long.
 const REFUSAL_SHOWN: Duration = Duration::from_secs(2);
+/// The drive holds the last setpoint for a while; after a longer gap nobody knows what the tool did in it.
+const TOOL_UNKNOWN_AFTER_NS: f64 = 150e6;
+/// The least way that is asked of the drive: 0 would mean no limit, metres.
+const RUN_MIN_M: f64 = 0.001;
 /// Asked to move and not moving for so long means stuck.
 const STUCK_AFTER: Duration = Duration::from_secs(3);
 
@@ -212,6 +216,7 @@ impl Agent {
         if self.sheet.is_none() {
             return;
         }
+        self.watch_tool(base);
         self.base = Measured {
             time_ns: base.time_ns,
             charge_percent: base.state_of_charge_percent,
@@ -227,6 +232,13 @@ impl Agent {
         let setpoint = self.setpoint(now, command);
         self.station(base);
         out.push(Output::Setpoint(setpoint));
+    }
+
+    /// Only what the tool truly did counts, not what was asked of it.
+    fn watch_tool(&mut self, base: &v1::BaseState) {
+        let gap_ns = base.time_ns.saturating_sub(self.base.time_ns) as f64;
+        let unknown = gap_ns > TOOL_UNKNOWN_AFTER_NS * base.time_factor.max(1.0);
+        self.tool_since_fix &= base.tool_active && !unknown;
     }
 
     fn locate(&mut self, base: &v1::BaseState) {
@@ -253,7 +265,11 @@ impl Agent {
 
     /// What to ask of the wheels, by the order, the lease and what is in the way.
     fn drive(&mut self, now: Timestamp) -> Command {
-        let moving = Command { speed_m_per_s: self.base.speed, angular_speed_rad_per_s: self.base.turning };
+        let moving = Command {
+            speed_m_per_s: self.base.speed,
+            angular_speed_rad_per_s: self.base.turning,
+            ..Command::default()
+        };
         let stopping_s = moving.speed_m_per_s.abs() / self.model.acceleration_m_per_s2;
         let lease_ends = self.lease.left(now).as_secs_f64() < stopping_s + 0.1;
         let stop = self.paused
@@ -268,6 +284,7 @@ impl Agent {
                 moving.angular_speed_rad_per_s,
                 self.asked.angular_speed_rad_per_s,
             ),
+            ..Command::default()
         };
         let command = self.follower.follow(&mut self.order, place, asked, &self.model, stop);
         self.tool_active =
@@ -295,6 +312,7 @@ impl Agent {
             boot_id: self.boot_id,
             valid_until_ns: self.base.time_ns + left_ns,
             pid: self.pid,
+            run_m: command.run_m.max(RUN_MIN_M),
         }
     }
 

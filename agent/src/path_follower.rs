@@ -35,6 +35,8 @@ const CORRECTION_MAX_RAD_PER_S: f64 = 0.5;
 pub(crate) struct Command {
     pub(crate) speed_m_per_s: f64,
     pub(crate) angular_speed_rad_per_s: f64,
+    /// Way that is left until it must stand, metres.
+    pub(crate) run_m: f64,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -138,7 +140,7 @@ impl PathFollower {
         }
         let toward = left.signum();
         let speed = fastest(left.abs(), turning * toward, model.angular_speed_rad_per_s, acceleration);
-        Command { speed_m_per_s: 0.0, angular_speed_rad_per_s: speed * toward }
+        Command { angular_speed_rad_per_s: speed * toward, ..Command::default() }
     }
 
     fn run(
@@ -169,6 +171,7 @@ impl PathFollower {
         Command {
             speed_m_per_s: speed,
             angular_speed_rad_per_s: correction.clamp(-CORRECTION_MAX_RAD_PER_S, CORRECTION_MAX_RAD_PER_S),
+            run_m: left_m,
         }
     }
 }
@@ -204,12 +207,14 @@ fn fastest(distance: f64, speed: f64, speed_max: f64, acceleration: f64) -> f64 
 
 fn brake(moving: Command, model: &MotionModel) -> Command {
     let slower = |speed: f64, by: f64| speed.signum() * (speed.abs() - by).max(0.0);
+    let speed_m_per_s = slower(moving.speed_m_per_s, model.acceleration_m_per_s2 * TICK_S);
     Command {
-        speed_m_per_s: slower(moving.speed_m_per_s, model.acceleration_m_per_s2 * TICK_S),
+        speed_m_per_s,
         angular_speed_rad_per_s: slower(
             moving.angular_speed_rad_per_s,
             model.angular_acceleration_rad_per_s2.min(50.0) * TICK_S,
         ),
+        run_m: model.stopping_distance_m(speed_m_per_s),
     }
 }
 

@@ -21,6 +21,9 @@ const SWEEP_PIECE_M: f64 = 0.5;
 /// … and while its heading changes by less than this, radians.
 const SWEEP_BEND_RAD: f64 = 0.004;
 
+/// The drive cuts in only this far behind the end of the agent's run, metres.
+const RUN_SLACK_M: f64 = 0.01;
+
 /// A factor that holds for a while.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Spell {
@@ -132,6 +135,8 @@ impl Body {
         let (slow, limits) = (factor(self.ailments.slow), self.limits);
         let top = limits.speed_m_per_s * slow;
         let top_turn = limits.angular_speed_rad_per_s * slow;
+        let top =
+            top.min(stoppable_m_per_s(asked.run_m, self.speed_m_per_s, limits.acceleration_m_per_s2, step_s));
         let was = (self.speed_m_per_s, self.angular_speed_rad_per_s);
         self.speed_m_per_s =
             towards(was.0, asked.speed_m_per_s.clamp(-top, top), limits.acceleration_m_per_s2 * step_s);
@@ -146,6 +151,7 @@ impl Body {
             self.proposed = self.pose;
             return;
         }
+        self.drive.rolled(way_m);
         self.localisation.roll(way_m, turn_rad);
         let grip = factor(self.ailments.slip);
         self.proposed = self.pose * arc(way_m * grip, turn_rad * grip);
@@ -234,6 +240,13 @@ impl Body {
 
 fn factor(spell: Option<Spell>) -> f64 {
     spell.map_or(1.0, |spell| spell.factor)
+}
+
+/// The highest speed after this step from which the drive can stop within `run_m` and the slack it allows the agent.
+fn stoppable_m_per_s(run_m: f64, speed_m_per_s: f64, acceleration_m_per_s2: f64, step_s: f64) -> f64 {
+    let half = acceleration_m_per_s2 * step_s / 2.0;
+    let left_m = run_m + RUN_SLACK_M - speed_m_per_s.abs() * step_s / 2.0;
+    ((half * half + 2.0 * acceleration_m_per_s2 * left_m).max(0.0).sqrt() - half).max(0.0)
 }
 
 fn towards(value: f64, target: f64, most: f64) -> f64 {

@@ -6,6 +6,9 @@
 //! - comes from the boot of the agent that the newest grant was for;
 //! - is younger than its own lease end, and than the watchdog.
 //!
+//! A setpoint's authority ends in space, too: it says how far the robot may still roll until it must stand, and the
+//! drive brakes in time for that by itself. So an agent that dies just before a corner leaves no robot in the wall.
+//!
 //! A setpoint that asks to stand is obeyed from whoever holds the newest grant, lease or not: stopping is always
 //! allowed.
 
@@ -21,6 +24,8 @@ pub(crate) struct Twist {
     pub(crate) speed_m_per_s: f64,
     pub(crate) angular_speed_rad_per_s: f64,
     pub(crate) tool_active: bool,
+    /// It must stand after rolling so far, metres.
+    pub(crate) run_m: f64,
 }
 
 /// Why a setpoint was dropped.
@@ -81,6 +86,7 @@ impl Drive {
                 speed_m_per_s: setpoint.speed_m_per_s,
                 angular_speed_rad_per_s: setpoint.angular_speed_rad_per_s,
                 tool_active: setpoint.tool_active,
+                run_m: if setpoint.run_m > 0.0 { setpoint.run_m } else { f64::INFINITY },
             };
             self.received = now;
             self.valid_until = Timestamp::from_nanos(setpoint.valid_until_ns);
@@ -109,6 +115,11 @@ impl Drive {
         let fresh = now.since(self.received) <= watchdog;
         let leased = now <= self.valid_until;
         if fresh && leased { self.asked } else { Twist::default() }
+    }
+
+    /// The wheels rolled; so much less is left.
+    pub(crate) fn rolled(&mut self, way_m: f64) {
+        self.asked.run_m -= way_m.abs();
     }
 
     /// Why the last setpoint was dropped, if it was.

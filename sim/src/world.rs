@@ -182,6 +182,7 @@ impl World {
             refusal: body.drive.refusal().map_or_else(String::new, |refusal| refusal.text().to_owned()),
             radio_jammed: body.is_radio_jammed(),
             description: (describes || self.ticks == 1).then(|| self.description.clone()),
+            tool_active: body.tool_active,
             time_factor: self.time_factor,
         }
     }
@@ -353,6 +354,29 @@ mod tests {
             world.step();
         }
         assert!(world.bodies[0].speed_m_per_s.abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_drive_stops_at_the_end_of_the_run_even_when_its_agent_falls_silent() {
+        let mut world = world("..........\n..........\n..........", &[(1.25, 1.25)]);
+        drive(&mut world, 0, 1.0, 0.0, 2.0);
+        let from = world.bodies[0].position().x;
+        let last = v1::Setpoint {
+            speed_m_per_s: 1.0,
+            term: 1,
+            epoch: 1,
+            boot_id: 7,
+            valid_until_ns: u64::MAX,
+            run_m: 0.65,
+            ..v1::Setpoint::default()
+        };
+        world.setpoint(0, &last);
+        world.set_time_factor(10.0);
+        for _ in 0..100 {
+            world.step();
+        }
+        let driven_m = world.bodies[0].position().x - from;
+        assert!((0.6..0.67).contains(&driven_m), "{driven_m}");
     }
 
     #[test]
