@@ -93,7 +93,7 @@ impl Person {
         for (number, robot) in robots {
             let (before_m, after_m) = (robot.gap_m(self.position), robot.gap_m(next));
             let nearer = after_m < before_m;
-            if nearer && after_m < 0.0 {
+            if nearer && after_m < 0.0 && self.careless {
                 self.give_up(now);
                 return Some(number);
             }

@@ -81,7 +81,7 @@ impl Default for RobotTable {
             angular_acceleration_rad_per_s2: 3.0,
             state_interval_ms: 100,
             range_finder_m: 3.0,
-            beams: 48,
+            beams: 120,
             battery: BatteryTable::default(),
             charging: ChargingTable::default(),
         }
