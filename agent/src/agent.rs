@@ -245,7 +245,8 @@ impl Agent {
         if let News::Fixed { trusted } = self.localisation.take(base) {
             let standing = base.speed_m_per_s.abs() < 0.02;
             let tool = std::mem::replace(&mut self.tool_since_fix, self.tool_active);
-            let place = self.localisation.place.point();
+            // Evidence is the fix itself: its error is bounded, that of the estimate between fixes is not.
+            let place = self.localisation.fix.point();
             self.log.take(place, tool, trusted, self.localisation.deviation_m, standing);
         }
     }
@@ -271,7 +272,7 @@ impl Agent {
             ..Command::default()
         };
         let stopping_s = moving.speed_m_per_s.abs() / self.model.acceleration_m_per_s2;
-        let lease_ends = self.lease.left(now).as_secs_f64() < stopping_s + 0.1;
+        let lease_ends = self.lease.left(now, self.order.order_id).as_secs_f64() < stopping_s + 0.1;
         let stop = self.paused
             || lease_ends
             || self.base.bumper
@@ -301,7 +302,7 @@ impl Agent {
 
     fn setpoint(&mut self, now: Timestamp, command: Command) -> v1::Setpoint {
         self.setpoints += 1;
-        let left_ns = self.lease.left(now).as_nanos() as u64;
+        let left_ns = self.lease.left(now, self.order.order_id).as_nanos() as u64;
         v1::Setpoint {
             sequence: self.setpoints,
             speed_m_per_s: command.speed_m_per_s,
@@ -521,7 +522,7 @@ impl Agent {
             ));
         }
         self.add_battery_error(&mut errors);
-        if self.order.has_base() && !self.lease.is_valid(now) && self.granted {
+        if self.order.has_base() && !self.lease.is_valid(now, self.order.order_id) && self.granted {
             errors.push(error(
                 ErrorType::ReleaseLost,
                 ErrorLevel::Warning,

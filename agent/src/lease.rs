@@ -8,6 +8,8 @@ use std::time::Duration;
 pub(crate) struct Lease {
     pub(crate) term: u64,
     pub(crate) epoch: u64,
+    /// The order it is for: no other may be driven under it.
+    order_id: u64,
     request: Timestamp,
     until: Timestamp,
 }
@@ -24,20 +26,22 @@ impl Lease {
         self.term = grant.term;
         self.epoch = grant.epoch;
         if newer_authority || request >= self.request {
+            self.order_id = grant.order_id;
             self.request = request;
             self.until = request + Duration::from_millis(u64::from(grant.lease_ms));
         }
         true
     }
 
-    /// Time left, zero when it has run out.
-    pub(crate) fn left(&self, now: Timestamp) -> Duration {
-        self.until.since(now)
+    /// Time left to drive an order; zero when it has run out, or is for another order (what was granted under
+    /// the old one has been taken away).
+    pub(crate) fn left(&self, now: Timestamp, order_id: u64) -> Duration {
+        if order_id == self.order_id { self.until.since(now) } else { Duration::ZERO }
     }
 
-    /// Whether the robot may drive.
-    pub(crate) fn is_valid(&self, now: Timestamp) -> bool {
-        now < self.until
+    /// Whether the robot may drive an order.
+    pub(crate) fn is_valid(&self, now: Timestamp, order_id: u64) -> bool {
+        !self.left(now, order_id).is_zero()
     }
 }
 
@@ -58,15 +62,15 @@ mod tests {
     fn a_lease_counts_from_the_request_and_not_from_its_receipt() {
         let mut lease = Lease::default();
         assert!(lease.take(at(12.0), &grant(1, 10.0, 3000)));
-        assert!(lease.is_valid(at(12.9)));
-        assert!(!lease.is_valid(at(13.0)));
+        assert!(lease.is_valid(at(12.9), 0));
+        assert!(!lease.is_valid(at(13.0), 0));
     }
 
     #[test]
     fn a_grant_read_late_gives_nothing() {
         let mut lease = Lease::default();
         lease.take(at(60.0), &grant(1, 10.0, 3000));
-        assert!(!lease.is_valid(at(60.0)));
+        assert!(!lease.is_valid(at(60.0), 0));
     }
 
     #[test]
@@ -75,7 +79,15 @@ mod tests {
         lease.take(at(10.0), &grant(5, 10.0, 3000));
         assert!(!lease.take(at(11.0), &grant(4, 11.0, 3000)));
         assert!(!lease.take(at(11.0), &grant(5, 99.0, 3000)));
-        assert!(!lease.is_valid(at(13.5)));
+        assert!(!lease.is_valid(at(13.5), 0));
+    }
+
+    #[test]
+    fn a_lease_for_another_order_gives_no_right_to_drive_this_one() {
+        let mut lease = Lease::default();
+        lease.take(at(10.0), &v1::Grant { order_id: 7, ..grant(2, 10.0, 3000) });
+        assert!(lease.is_valid(at(10.5), 7));
+        assert!(!lease.is_valid(at(10.5), 6));
     }
 
     #[test]
@@ -83,8 +95,8 @@ mod tests {
         let mut lease = Lease::default();
         lease.take(at(10.2), &grant(1, 10.1, 3000));
         lease.take(at(10.2), &grant(1, 10.0, 3000));
-        assert!(lease.is_valid(at(13.05)));
+        assert!(lease.is_valid(at(13.05), 0));
         lease.take(at(10.4), &grant(1, 10.3, 0));
-        assert!(!lease.is_valid(at(10.5)), "0 ms means stop");
+        assert!(!lease.is_valid(at(10.5), 0), "0 ms means stop");
     }
 }

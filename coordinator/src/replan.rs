@@ -68,6 +68,9 @@ pub(crate) struct Replanning {
     deadlock_at: Timestamp,
     refusals: u32,
     decisions: u64,
+    /// Robots that stand in each other's way: the next plan takes the places where they stand for closed to all
+    /// others.
+    pub(crate) untie: Vec<RobotIndex>,
     /// Plans that came and were driven.
     pub(crate) plans: u32,
     pub(crate) first_makespan_s: f64,
@@ -143,7 +146,8 @@ impl Coordinator {
 
     /// The mission as it stands, as something to plan; `None` when nobody can do anything now.
     fn instance(&mut self, causes: Vec<Cause>) -> Option<(PlanRequest, InFlight)> {
-        let blocked = self.blocked_for_plans();
+        let untie = std::mem::take(&mut self.replanning.untie);
+        let blocked = self.blocked_for_plans(&untie);
         let robots: Vec<RobotIndex> =
             self.coverers().into_iter().filter(|&robot| self.start_cell(robot).is_some()).collect();
         let motion = self.slowest_motion(&robots)?;
@@ -153,7 +157,8 @@ impl Coordinator {
             return None;
         }
         let owners = self.owners(&visit);
-        let (incumbent, orphans) = self.under_way(&robots);
+        let (incumbent, orphans) =
+            if untie.is_empty() { self.under_way(&robots) } else { (Vec::new(), Vec::new()) };
         let revision = self.replanning.revision + 1;
         let flight = InFlight {
             revision,
@@ -210,11 +215,12 @@ impl Coordinator {
     }
 
     /// Zones, and ground held by robots that will not move by themselves.
-    fn blocked_for_plans(&self) -> Vec<bool> {
+    fn blocked_for_plans(&self, untie: &[RobotIndex]) -> Vec<bool> {
         let mut blocked: Vec<bool> =
             (0..self.floor.lattice().len()).map(|index| self.zones.holds(index)).collect();
-        for robot in &self.robots {
-            let immobile = matches!(robot.phase, Phase::Suspect | Phase::Lost)
+        for (index, robot) in self.robots.iter().enumerate() {
+            let immobile = untie.contains(&index)
+                || matches!(robot.phase, Phase::Suspect | Phase::Lost)
                 || robot.phase == Phase::Ready
                     && (robot.stuck || matches!(robot.errand, Errand::Charging(_) | Errand::Queue(_)));
             if immobile {

@@ -96,6 +96,8 @@ pub(crate) struct Robot {
     pub(crate) lease_until: Timestamp,
     pub(crate) wait: Option<Wait>,
     pub(crate) hold: Option<Hold>,
+    /// When it last moved aside, the latest last; a few.
+    pub(crate) yielded: Vec<Timestamp>,
     pub(crate) obstacle_since: Option<Timestamp>,
     pub(crate) moved_at: Timestamp,
     pub(crate) moved_from: v1::Pose,
@@ -135,6 +137,7 @@ impl Robot {
             lease_until: Timestamp::ZERO,
             wait: None,
             hold: None,
+            yielded: Vec::new(),
             obstacle_since: None,
             moved_at: Timestamp::ZERO,
             moved_from: v1::Pose::default(),

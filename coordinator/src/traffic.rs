@@ -30,6 +30,9 @@ const GAP_M: f64 = 0.08;
 const NODES_TO_CLEAR: usize = 60;
 /// How long a robot waits before anybody does something about it.
 const PATIENCE: Duration = Duration::from_millis(1500);
+/// A robot that moves aside so often within this time does not solve anything.
+const YIELDS_MAX: usize = 4;
+const YIELDS_WITHIN: Duration = Duration::from_secs(40);
 /// How long a robot that moved aside waits at most.
 const HOLD_MAX: Duration = Duration::from_secs(30);
 
@@ -184,7 +187,9 @@ impl Coordinator {
             Chain::Ring(ring) => self.break_ring(now, &ring),
             Chain::EndsAt(last, before) => {
                 if self.can_move_aside(last) {
-                    self.move_aside(now, last, before) || self.detour(now, index)
+                    self.move_aside(now, last, before)
+                        || self.detour(now, index)
+                        || self.give_way_to_replan(now, index)
                 } else {
                     self.detour(now, index) || self.give_way_to_replan(now, index)
                 }
@@ -241,6 +246,10 @@ impl Coordinator {
 
     /// Sends a robot off the route of another one, and back to its own when that has passed.
     fn move_aside(&mut self, now: Timestamp, index: RobotIndex, for_robot: RobotIndex) -> bool {
+        self.robots[index].yielded.retain(|&at| now.since(at) < YIELDS_WITHIN);
+        if self.robots[index].yielded.len() >= YIELDS_MAX {
+            return false;
+        }
         let Some(from) = self.start_cell(index) else { return false };
         let route_ahead = self.next_places(for_robot);
         let separation = self.separation_m();
@@ -270,6 +279,7 @@ impl Coordinator {
         let until_passed = self.passes_by(for_robot, from);
         let their_order = self.robots[for_robot].route.order_id();
         let robot = &mut self.robots[index];
+        robot.yielded.push(now);
         robot.wait = None;
         robot.order_sent = Timestamp::ZERO;
         robot.hold = Some(Hold { at: spot, for_robot, their_order, until_passed, until: now + HOLD_MAX });
@@ -344,6 +354,9 @@ impl Coordinator {
         if !self.replanning.may_replan_for_deadlock(now) {
             return false;
         }
+        self.replanning.untie = (0..self.robots.len())
+            .filter(|&robot| robot == index || self.robots[robot].stands_at_base_end())
+            .collect();
         self.need_plan(now, Cause::of(ReplanCause::CauseDeadlock, index, "no way past each other"));
         true
     }
