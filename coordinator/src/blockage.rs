@@ -39,6 +39,11 @@ impl Sightings {
         self.last = now;
     }
 
+    /// Whether something was seen that is not taken up yet.
+    pub(crate) fn is_pending(&self) -> bool {
+        self.cells > 0
+    }
+
     /// What was seen, once it is complete; at once when a robot has nothing else to do.
     fn take(&mut self, now: Timestamp, idle: bool) -> Option<(RobotIndex, usize)> {
         let complete = now.secs_since(self.last) > GATHER_S || now.secs_since(self.first) > 4.0 * GATHER_S;
@@ -68,8 +73,11 @@ impl Coordinator {
         let idle = self.coverers().iter().any(|&robot| self.robots[robot].route.is_done());
         let Some((index, cells)) = self.sightings.take(now, idle) else { return };
         let text = format!("{cells} cells seen free");
-        let left =
-            self.ledger.open_cells().any(|cell| !matches!(self.ledger.status(cell), Status::Assigned(_)));
+        self.idle_checks.new_ground();
+        let left = self.ledger.open_cells().any(|cell| match self.ledger.status(cell) {
+            Status::Assigned(owner) => self.robots[owner].route.is_done(),
+            _ => true,
+        });
         if left {
             self.need_plan(now, Cause::of(ReplanCause::CauseZoneCleared, index, &text));
         } else {

@@ -7,6 +7,7 @@
 use crate::{
     Coordinator, Output, Publication,
     ledger::{RobotIndex, Status},
+    presence::TRIES_MAX,
     replan::Cause,
     robot::{Errand, Phase},
     route::Ending,
@@ -43,6 +44,12 @@ pub(crate) struct IdleChecks {
 }
 
 impl IdleChecks {
+    /// Something changed that makes another residual pass worth while.
+    pub(crate) fn new_ground(&mut self) {
+        self.fruitless = 0;
+        self.looked = None;
+    }
+
     /// The planner had nothing to plan at this moment.
     pub(crate) fn look_at(&mut self, now: Timestamp) {
         self.looked = Some(now);
@@ -90,7 +97,8 @@ impl Coordinator {
 
     /// Looks whether there is anything left to do, and what.
     pub(crate) fn check_end(&mut self, now: Timestamp, _out: &mut Vec<Output>) {
-        if self.mission_began.is_none() || self.state == MissionState::Paused || self.replanning.is_busy() {
+        let undecided = self.replanning.is_busy() || self.sightings.is_pending();
+        if self.mission_began.is_none() || self.state == MissionState::Paused || undecided {
             return;
         }
         self.check_abandoned(now);
@@ -160,7 +168,8 @@ impl Coordinator {
     fn somebody_comes_back(&self) -> bool {
         let charges = |robot: &crate::robot::Robot| {
             robot.phase == Phase::Ready
-                && matches!(robot.errand, Errand::Charging(_) | Errand::Queue(_) | Errand::ToStation(_))
+                && (matches!(robot.errand, Errand::Charging(_) | Errand::Queue(_) | Errand::ToStation(_))
+                    || robot.stuck && robot.tries < TRIES_MAX)
         };
         let waits = |robot: &crate::robot::Robot| {
             robot.phase == Phase::Suspect || robot.phase == Phase::Lost && !robot.held.is_empty()

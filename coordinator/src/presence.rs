@@ -27,6 +27,9 @@ use terrain::{Cell, Point, Segment, angle_between};
 const CLOCK_RATE_ERROR: f64 = 0.01;
 /// Handling of a reply, and stopping, on top of the lease.
 const LEASE_MARGIN: Duration = Duration::from_millis(700);
+/// A stuck robot is tried again after this, and so often; the wait doubles each time.
+const TRY_AGAIN_S: u64 = 10;
+pub(crate) const TRIES_MAX: u32 = 4;
 /// A token that drops counts after this share of the silence that makes a robot SUSPECT (a blink is normal).
 const TOKEN_GRACE: f64 = 0.4;
 
@@ -267,9 +270,10 @@ impl Coordinator {
             robot.moved_at = now;
             robot.moved_from = pose;
         }
-        if moved && robot.stuck {
-            robot.stuck = false;
-            self.need_plan(now, Cause::of(ReplanCause::CauseRobotJoined, index, "moves again"));
+        let far = (pose.x_m - robot.freed_from.0).hypot(pose.y_m - robot.freed_from.1) > 1.0;
+        if robot.tries > 0 && !robot.stuck && far {
+            robot.tries = 0;
+            robot.freed_from = (pose.x_m, pose.y_m);
         }
     }
 
@@ -380,18 +384,36 @@ impl Coordinator {
             .is_some_and(|state| state.errors.iter().any(|error| error.error_type() == ErrorType::Stuck));
         let waits = robot.obstacle_since.is_some() || self.state == MissionState::Paused;
         let still_s = now.secs_since(robot.moved_at);
-        if robot.stuck || waits || robot.stands_at_base_end() {
+        if robot.stuck {
+            self.try_again(now, index);
+            return;
+        }
+        if waits || robot.stands_at_base_end() {
             return;
         }
         if still_s > self.config.timing.stuck_after_s || (says_stuck && still_s > 3.0) {
             let text = format!("has not moved for {still_s:.1} s on free ground");
             self.forget_errand(index);
-            self.orphan_route(index);
+            self.restart_route(now, index);
             let robot = &mut self.robots[index];
             robot.stuck = true;
-            robot.route.cut_horizon();
+            robot.freed_from = robot.position().map_or((0.0, 0.0), |p| (p.x, p.y));
+            robot.try_at = now + Duration::from_secs(TRY_AGAIN_S << robot.tries.min(TRIES_MAX));
             self.need_plan(now, Cause::of(ReplanCause::CauseRobotStuck, index, &text));
         }
+    }
+
+    /// A stuck robot may have been freed: it is given work again, a few times, to find out.
+    fn try_again(&mut self, now: Timestamp, index: RobotIndex) {
+        let robot = &mut self.robots[index];
+        if robot.tries >= TRIES_MAX || now < robot.try_at {
+            return;
+        }
+        robot.tries += 1;
+        robot.stuck = false;
+        robot.moved_at = now;
+        self.idle_checks.new_ground();
+        self.need_plan(now, Cause::of(ReplanCause::CauseRobotJoined, index, "is tried again"));
     }
 
     /// The lease that a grant sent now gives, as long as the coordinator must reckon with it.

@@ -412,7 +412,8 @@ impl Coordinator {
         let lattice = *self.floor.lattice();
         let begins_at_base_end = self.robots[robot].route.base_end().is_some_and(|node| node.cell.is_some());
         let skip = usize::from(begins_at_base_end);
-        let cells: Vec<Cell> = points.iter().skip(skip).filter_map(|&point| lattice.cell_at(point)).collect();
+        let mut cells = self.stir(robot, flight);
+        cells.extend(points.iter().skip(skip).filter_map(|&point| lattice.cell_at(point)));
         let places: Vec<Waypoint> = cells.iter().map(|&cell| self.place(cell)).collect();
         for cell in cells {
             let index = lattice.index(cell).expect("cell_at gives cells of the lattice");
@@ -427,6 +428,24 @@ impl Coordinator {
         robot.wait = None;
         robot.hold = None;
         robot.order_sent = Timestamp::ZERO;
+    }
+
+    /// A robot that stands in a cell to be covered leaves evidence only by moving: to a neighbour and back.
+    fn stir(&self, robot: RobotIndex, flight: &InFlight) -> Vec<Cell> {
+        let lattice = self.floor.lattice();
+        let (Some(start), Some(end)) = (self.start_cell(robot), self.robots[robot].route.base_end()) else {
+            return Vec::new();
+        };
+        let stands_there = (lattice.center(start) - end.point).norm() < 0.5 * lattice.cell_m;
+        let wanted = lattice.index(start).is_some_and(|index| flight.visit[index]);
+        if !(stands_there && wanted) {
+            return Vec::new();
+        }
+        let aside = self.floor.neighbours(start).find(|&next| self.is_open_ground(next));
+        aside.map_or_else(Vec::new, |next| match end.cell {
+            Some(_) => vec![next, start],
+            None => vec![start, next, start],
+        })
     }
 
     /// Says what the plan changes and why, in one line a cause.

@@ -80,6 +80,11 @@ pub(crate) struct Robot {
     pub(crate) silent_since: Timestamp,
     pub(crate) errand: Errand,
     pub(crate) stuck: bool,
+    /// How often it was tried again after it was stuck, and when it is next.
+    pub(crate) tries: u32,
+    pub(crate) try_at: Timestamp,
+    /// Where it was stuck; away from there it counts as freed.
+    pub(crate) freed_from: (f64, f64),
     pub(crate) home: Option<Point>,
     pub(crate) route: Route,
     pub(crate) order_sent: Timestamp,
@@ -118,6 +123,9 @@ impl Robot {
             silent_since: Timestamp::ZERO,
             errand: Errand::Cover,
             stuck: false,
+            tries: 0,
+            try_at: Timestamp::ZERO,
+            freed_from: (0.0, 0.0),
             home: None,
             route: Route::default(),
             order_sent: Timestamp::ZERO,

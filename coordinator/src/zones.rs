@@ -12,11 +12,14 @@ use protocol::{
     Timestamp,
     v1::{self, UnreachableReason, ZoneType},
 };
-use std::collections::BTreeSet;
+use std::{collections::BTreeSet, time::Duration};
 use terrain::{Floor, Point, Segment, angle_between};
 
 /// Beams may be this far apart at the cell for a body not to hide between them, metres.
 const BEAM_SPACING_MAX_M: f64 = 0.2;
+/// After the second strike a cell cannot be seen free for three times this long; twice as long each time, seconds.
+const LOCK_S: f64 = 4.0;
+const STRIKES_MAX: u8 = 8;
 /// What a hit may be nearer than the body's disc without meaning anything, metres (range noise).
 const HIT_SLACK_M: f64 = 0.03;
 
@@ -41,12 +44,15 @@ pub(crate) struct Zone {
 pub(crate) struct Zones {
     list: Vec<Zone>,
     blocked: Vec<u16>,
+    /// How often each cell was found blocked: a cell that is seen free and found blocked again and again (an
+    /// obstacle at its edge) is trusted less and less.
+    strikes: Vec<u8>,
     next_id: u64,
 }
 
 impl Zones {
     pub(crate) fn new(cells: usize) -> Self {
-        Self { list: Vec::new(), blocked: vec![0; cells], next_id: 1 }
+        Self { list: Vec::new(), blocked: vec![0; cells], strikes: vec![0; cells], next_id: 1 }
     }
 
     /// Whether a cell lies in some zone.
@@ -81,9 +87,13 @@ impl Zones {
         if cells.is_empty() {
             return None;
         }
+        let mut strikes = 0;
         for &index in &cells {
             self.blocked[index] += 1;
+            self.strikes[index] = self.strikes[index].saturating_add(1).min(STRIKES_MAX);
+            strikes = strikes.max(self.strikes[index]);
         }
+        let distrust_s = LOCK_S * f64::from((1_u32 << (strikes - 1)) - 1);
         let id = self.next_id;
         self.next_id += 1;
         self.list.push(Zone {
@@ -92,9 +102,9 @@ impl Zones {
             cells,
             cause: cause.to_owned(),
             since,
-            locked_until,
-            looks: 0,
-            next_look: since,
+            locked_until: locked_until.max(since + Duration::from_secs_f64(distrust_s)),
+            looks: u32::from(strikes - 1),
+            next_look: since + Duration::from_secs_f64(distrust_s),
         });
         Some(id)
     }
