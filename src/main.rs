@@ -7,6 +7,7 @@ mod demo;
 mod fault;
 mod fleet;
 mod operator;
+mod rehearse;
 mod sim;
 mod status;
 mod stop;
@@ -30,6 +31,7 @@ const NOT_REACHED: u8 = 5;
     after_help = "Examples:
   oxplow demo                              a fleet covers a floor, loses a robot, finishes
   oxplow up scenarios/office.toml          sim, coordinator and agents on this machine
+  oxplow rehearse scenarios/demo.toml      the same in one thread, a thousand times faster
   oxplow verify runs/…/run.mcap            recount what was covered from the log alone
 
 Exit codes: 0 completed, 1 error, 2 usage, 3 gaps left, 5 coordinator not reached."
@@ -46,6 +48,7 @@ struct Cli {
 enum Command {
     Demo(demo::DemoArgs),
     Up(up::UpArgs),
+    Rehearse(rehearse::RehearseArgs),
     Sim(sim::SimArgs),
     Coordinator(coordinator::CoordinatorArgs),
     Agent(agent::AgentArgs),
@@ -66,6 +69,7 @@ fn main() -> ExitCode {
     let outcome = match &cli.command {
         Command::Demo(args) => demo::run(args),
         Command::Up(args) => up::run(args),
+        Command::Rehearse(args) => rehearse::run(args),
         Command::Sim(args) => sim::run(args),
         Command::Coordinator(args) => coordinator::run(args),
         Command::Agent(args) => agent::run(args),
