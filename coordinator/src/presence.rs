@@ -174,7 +174,8 @@ impl Coordinator {
     /// A robot becomes READY: for the first time, after silence, or after a restart.
     fn join(&mut self, now: Timestamp, index: RobotIndex, was: Phase, restarted: bool) {
         let Some(position) = self.robots[index].position() else { return };
-        let lost_its_ground = self.zones.forget_quarantine_of(&self.robots[index].id.clone());
+        self.zones.forget_quarantine_of(&self.robots[index].id.clone());
+        let lost_its_ground = std::mem::take(&mut self.robots[index].ground_taken);
         let fresh = restarted || lost_its_ground || self.robots[index].route.order_id() == 0;
         if fresh {
             self.restart_route(now, index);
@@ -345,6 +346,7 @@ impl Coordinator {
             return;
         }
         let held = std::mem::take(&mut robot.held);
+        robot.ground_taken = true;
         robot.retiring.clear();
         let id = robot.id.clone();
         let cells = self.cells_near(&held);

@@ -91,6 +91,8 @@ pub(crate) struct Robot {
     /// Ground of an order that was taken away and not yet acknowledged, and until when it may still be driven.
     pub(crate) retiring: Vec<Segment>,
     pub(crate) retiring_until: Timestamp,
+    /// Its ground was given up as a quarantine: what it was granted is void.
+    pub(crate) ground_taken: bool,
     /// Ground that nobody else may enter.
     pub(crate) held: Vec<Segment>,
     pub(crate) lease_until: Timestamp,
@@ -133,6 +135,7 @@ impl Robot {
             order_sent: Timestamp::ZERO,
             retiring: Vec::new(),
             retiring_until: Timestamp::ZERO,
+            ground_taken: false,
             held: Vec::new(),
             lease_until: Timestamp::ZERO,
             wait: None,

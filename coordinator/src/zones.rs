@@ -110,13 +110,12 @@ impl Zones {
     }
 
     /// Drops the zones that a robot left behind when it was lost; it is back.
-    pub(crate) fn forget_quarantine_of(&mut self, robot: &str) -> bool {
+    pub(crate) fn forget_quarantine_of(&mut self, robot: &str) {
         let theirs = |zone: &Zone| zone.kind == ZoneType::ZoneQuarantine && zone.cause == robot;
         let ids: Vec<u64> = self.list.iter().filter(|zone| theirs(zone)).map(|zone| zone.id).collect();
         for &id in &ids {
             self.remove(id);
         }
-        !ids.is_empty()
     }
 
     fn remove(&mut self, id: u64) {

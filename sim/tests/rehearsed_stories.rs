@@ -84,7 +84,11 @@ fn battery_drain() {
 
 #[test]
 fn wheel_stuck() {
-    tells("wheel_stuck", &["FAULT  wheel_stuck", "r2     STUCK", "r2     JOINED  moves again"], "COMPLETED");
+    tells(
+        "wheel_stuck",
+        &["FAULT  wheel_stuck", "r2     STUCK", "r2     JOINED  is tried again"],
+        "COMPLETED",
+    );
 }
 
 #[test]
