@@ -92,7 +92,7 @@ fn start_logging(verbose: u8) {
         1 => "info,zenoh=warn,zenoh_transport=warn,oxplow=debug,coordinator=debug,agent=debug,sim=debug",
         _ => "debug,oxplow=trace,coordinator=trace,agent=trace,sim=trace",
     };
-    let quiet = "zenoh=error,zenoh_transport=error,zenoh_link_tcp=error,zenoh_config=error";
+    let quiet = "zenoh=off,zenoh_transport=off,zenoh_link_tcp=off,zenoh_config=off";
     let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| {
         EnvFilter::new(if verbose == 0 { format!("{level},{quiet}") } else { level.to_owned() })
     });
