@@ -26,6 +26,8 @@ use terrain::{Cell, Point};
 const DETOUR_FACTOR: f64 = 1.3;
 /// A docked robot that is not charged for so long reports the station broken.
 const NO_CHARGE_S: f64 = 4.0;
+/// After so many tries in a row nobody waits for a station any more.
+pub(crate) const FAILURES_MAX: u32 = 2;
 /// A broken station is tried again after this.
 const TRY_AGAIN: Duration = Duration::from_mins(2);
 
@@ -37,6 +39,8 @@ pub(crate) struct StationState {
     pub(crate) occupied_by: Option<RobotIndex>,
     pub(crate) queue: VecDeque<RobotIndex>,
     pub(crate) broken_until: Option<Timestamp>,
+    /// How often in a row it gave no power.
+    pub(crate) failures: u32,
 }
 
 impl StationState {
@@ -47,6 +51,7 @@ impl StationState {
             occupied_by: None,
             queue: VecDeque::new(),
             broken_until: None,
+            failures: 0,
         }
     }
 }
@@ -222,6 +227,7 @@ impl Coordinator {
         if robot.state.as_ref().is_some_and(|state| state.charging) {
             self.robots[index].errand = Errand::Charging(station);
             self.robots[index].uncharged_since = None;
+            self.stations[station].failures = 0;
             let id = self.robots[index].id.clone();
             let text =
                 format!("at {}, {:.0} %", self.stations[station].id, self.robots[index].charge_percent());
@@ -238,6 +244,7 @@ impl Coordinator {
         }
         self.robots[index].uncharged_since = None;
         self.stations[station].broken_until = Some(now + TRY_AGAIN);
+        self.stations[station].failures += 1;
         self.measure_station_moves();
         let id = self.robots[index].id.clone();
         let text = format!("{} gives no power; tried again in 120 s", self.stations[station].id);

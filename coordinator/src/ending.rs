@@ -6,6 +6,7 @@
 
 use crate::{
     Coordinator, Output, Publication,
+    charging::FAILURES_MAX,
     ledger::{RobotIndex, Status},
     presence::TRIES_MAX,
     replan::Cause,
@@ -30,6 +31,8 @@ const LOOK_FROM_M: f64 = 1.3;
 const IMBALANCE_S: f64 = 40.0;
 /// At least this long between two such plans.
 const REBALANCE_APART: Duration = Duration::from_secs(30);
+/// A mission in which nothing moves forward for so long ends.
+const STALLED_S: f64 = 420.0;
 /// So long may the robots take home.
 const HOME_MAX_S: f64 = 300.0;
 
@@ -41,6 +44,9 @@ pub(crate) struct IdleChecks {
     rebalanced: Timestamp,
     looked: Option<Timestamp>,
     homeward: Option<Timestamp>,
+    /// What was covered and charged when something last moved forward, and when that was.
+    progress: (f64, f64),
+    progress_at: Timestamp,
 }
 
 impl IdleChecks {
@@ -107,11 +113,29 @@ impl Coordinator {
         }
         if self.ledger.open_cells().next().is_none() {
             self.go_home_or_finish(now);
+        } else if self.has_stalled(now) {
+            self.give_up_the_rest(now);
         } else if self.all_routes_done() {
             self.continue_with_what_is_left(now);
         } else {
             self.check_balance(now);
         }
+    }
+
+    /// Nothing was covered and nothing charged for very long: whatever holds the fleet up, the mission ends, and
+    /// says what is left.
+    fn has_stalled(&mut self, now: Timestamp) -> bool {
+        let charge: f64 = self.robots.iter().map(crate::robot::Robot::charge_percent).sum();
+        let covered = self.ledger.progress().covered_m2;
+        let (covered_before, charge_before) = self.idle_checks.progress;
+        let forward = covered > covered_before + 1e-9 || charge > charge_before + 1.0;
+        if forward || charge < charge_before {
+            self.idle_checks.progress = (covered, charge);
+        }
+        if forward || self.idle_checks.progress_at == Timestamp::ZERO {
+            self.idle_checks.progress_at = now;
+        }
+        now.secs_since(self.idle_checks.progress_at) > STALLED_S
     }
 
     fn check_abandoned(&mut self, now: Timestamp) {
@@ -167,9 +191,14 @@ impl Coordinator {
     /// Whether robots that cannot work now will be able to later, by themselves.
     fn somebody_comes_back(&self) -> bool {
         let charges = |robot: &crate::robot::Robot| {
-            robot.phase == Phase::Ready
-                && (matches!(robot.errand, Errand::Charging(_) | Errand::Queue(_) | Errand::ToStation(_))
-                    || robot.stuck && robot.tries < TRIES_MAX)
+            let will_charge = match robot.errand {
+                Errand::Charging(_) => true,
+                Errand::Queue(station) | Errand::ToStation(station) => {
+                    self.stations[station].failures < FAILURES_MAX
+                }
+                Errand::Cover | Errand::Look(_) | Errand::Home => false,
+            };
+            robot.phase == Phase::Ready && (will_charge || robot.stuck && robot.tries < TRIES_MAX)
         };
         let waits = |robot: &crate::robot::Robot| {
             robot.phase == Phase::Suspect || robot.phase == Phase::Lost && !robot.held.is_empty()
