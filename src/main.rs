@@ -7,6 +7,7 @@ mod demo;
 mod fault;
 mod fleet;
 mod operator;
+mod plan;
 mod rehearse;
 mod sim;
 mod status;
@@ -60,6 +61,7 @@ enum Command {
     Resume(fleet::FleetArgs),
     /// Ends the mission
     Cancel(fleet::FleetArgs),
+    Plan(plan::PlanArgs),
     Verify(verify::VerifyArgs),
 }
 
@@ -78,6 +80,7 @@ fn main() -> ExitCode {
         Command::Pause(args) => operator::command(args, protocol::v1::Verb::Pause),
         Command::Resume(args) => operator::command(args, protocol::v1::Verb::Resume),
         Command::Cancel(args) => operator::command(args, protocol::v1::Verb::Cancel),
+        Command::Plan(args) => plan::run(args),
         Command::Verify(args) => verify::run(args),
     };
     outcome.unwrap_or_else(|error| {

@@ -166,6 +166,22 @@ impl Floor {
         self.classes[index]
     }
 
+    /// Row-major: the required samples that can be swept from the cells marked in `reachable` (row-major) alone.
+    pub fn required_from(&self, reachable: &[bool]) -> Vec<u64> {
+        assert_eq!(reachable.len(), self.lattice.len(), "one value per cell");
+        let reached = reach_of(&self.lattice, reachable, self.tool_width_m / 2.0);
+        reached.iter().zip(&self.required).map(|(reached, required)| reached & required).collect()
+    }
+
+    fn character(&self, index: usize) -> char {
+        match self.classes[index] {
+            CellClass::Coverable if self.drivable[index] => '.',
+            CellClass::Coverable => 'o',
+            CellClass::TooNarrow => '-',
+            CellClass::Obstacle => '#',
+        }
+    }
+
     /// Area that can be swept, square metres.
     pub fn coverable_m2(&self) -> f64 {
         let samples: u64 = self.required.iter().map(|samples| u64::from(samples.count_ones())).sum();
@@ -223,18 +239,7 @@ fn required_samples(
     drivable: &[bool],
     tool_radius_m: f64,
 ) -> (Vec<u64>, Vec<CellClass>) {
-    let mut reachable = vec![0_u64; lattice.len()];
-    for cell in lattice.cells().filter(|&cell| lattice.index(cell).is_some_and(|index| drivable[index])) {
-        let center = lattice.center(cell);
-        let low = Point::new(center.x - tool_radius_m, center.y - tool_radius_m);
-        let high = Point::new(center.x + tool_radius_m, center.y + tool_radius_m);
-        for near in lattice.cells_in_box(low, high) {
-            if let Some(index) = lattice.index(near) {
-                reachable[index] |=
-                    samples_within(lattice, near, Segment::new(center, center), tool_radius_m);
-            }
-        }
-    }
+    let reachable = reach_of(lattice, drivable, tool_radius_m);
     let mut required = vec![0_u64; lattice.len()];
     let mut classes = vec![CellClass::Obstacle; lattice.len()];
     for cell in lattice.cells() {
@@ -250,8 +255,132 @@ fn required_samples(
     (required, classes)
 }
 
+/// Per cell, the samples within the tool's radius of the centre of some cell in `stands`. The lattice is regular: what
+/// one stand reaches is worked out once, and shifted.
+fn reach_of(lattice: &Lattice, stands: &[bool], tool_radius_m: f64) -> Vec<u64> {
+    let mut reached = vec![0_u64; lattice.len()];
+    let stencil = stencil(lattice, tool_radius_m);
+    for cell in lattice.cells().filter(|&cell| lattice.index(cell).is_some_and(|index| stands[index])) {
+        for &(dx, dy, samples) in &stencil {
+            if let Some(index) = lattice.index(Cell::new(cell.x + dx, cell.y + dy)) {
+                reached[index] |= samples;
+            }
+        }
+    }
+    reached
+}
+
+/// What a tool over the centre of a cell reaches: column and row difference, and samples. Rounding is left to the
+/// safe side: a sample just at the rim is not asked for.
+fn stencil(lattice: &Lattice, tool_radius_m: f64) -> Vec<(i32, i32, u64)> {
+    let around = Lattice { origin: Point::origin(), ..*lattice };
+    let stand = around.center(Cell::new(0, 0));
+    let stand = Segment::new(stand, stand);
+    let longest = lattice.columns.max(lattice.rows);
+    let reach = (tool_radius_m / lattice.cell_m + 0.5).ceil().min(f64::from(longest)) as i32;
+    (-reach..=reach)
+        .flat_map(|dy| (-reach..=reach).map(move |dx| (dx, dy)))
+        .map(|(dx, dy)| (dx, dy, samples_within(&around, Cell::new(dx, dy), stand, tool_radius_m - 1e-9)))
+        .filter(|&(_, _, samples)| samples != 0)
+        .collect()
+}
+
 fn free_samples(map: &GridMap, lattice: &Lattice, cell: Cell) -> u64 {
+    let half = 0.5 * lattice.cell_m;
+    let center = lattice.center(cell);
+    let (x0, y0) = map.square_at(Point::new(center.x - half, center.y - half));
+    let (x1, y1) = map.square_at(Point::new(center.x + half, center.y + half));
+    let mut squares = (y0..=y1).flat_map(|y| (x0..=x1).map(move |x| (x, y)));
+    if squares.all(|(x, y)| map.is_free(x, y)) {
+        return u64::MAX;
+    }
     (0..SAMPLES_PER_CELL)
         .filter(|&bit| map.point_is_free(sample_point(lattice, cell, bit)))
         .fold(0, |samples, bit| samples | 1 << bit)
+}
+
+/// Drawn as text, top row first: `.` drivable, `o` swept from next door only, `-` free but out of reach, `#` obstacle.
+impl std::fmt::Display for Floor {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        for y in (0..self.lattice.rows as usize).rev() {
+            let start = y * self.lattice.columns as usize;
+            let row = start..start + self.lattice.columns as usize;
+            let line: String = row.map(|index| self.character(index)).collect();
+            writeln!(f, "{line}")?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::SweptRaster;
+    use proptest::prelude::*;
+
+    fn floor(drawing: &str, cell_m: f64, body_radius_m: f64, tool_width_m: f64) -> Floor {
+        let map = GridMap::from_drawing(drawing, 0.5).unwrap();
+        Floor::new(&map, cell_m, body_radius_m, tool_width_m).unwrap()
+    }
+
+    #[test]
+    fn a_slit_between_cell_centres_is_swept_from_next_door() {
+        // Cells of two squares: the lower right ones are half wall, so that no body stands at their centres.
+        let seen = floor("........\n........\n......#.\n........", 1.0, 0.4, 1.4);
+        assert_eq!(seen.to_string(), "....\n...o\n");
+    }
+
+    #[test]
+    fn ground_that_no_tool_reaches_is_too_narrow() {
+        let seen = floor("......#.\n......#.", 0.5, 0.26, 0.6);
+        assert!(seen.to_string().lines().all(|line| line.ends_with("#-")), "{seen}");
+    }
+
+    #[test]
+    fn a_body_as_wide_as_the_door_goes_through_and_a_wider_one_does_not() {
+        let drawing = "...\n#.#\n...";
+        let (door, above) = (Cell::new(1, 1), Direction::North);
+        assert!(floor(drawing, 0.5, 0.25, 0.75).can_move(door, above));
+        let map = GridMap::from_drawing(drawing, 0.5).unwrap();
+        let wide = Floor::new(&map, 0.5, 0.26, 0.75);
+        assert!(wide.is_err_and(|error| matches!(error, FloorError::NothingDrivable { .. })));
+    }
+
+    #[test]
+    fn what_lies_behind_a_wall_is_not_required_from_this_side() {
+        let seen = floor("...#...", 0.5, 0.2, 0.75);
+        let this_side: Vec<bool> = (0..7).map(|x| x < 3).collect();
+        let required = seen.required_from(&this_side);
+        assert!(required[..3].iter().all(|&samples| samples == u64::MAX));
+        assert!(required[3..].iter().all(|&samples| samples == 0));
+    }
+
+    proptest! {
+        #[test]
+        fn standing_on_every_drivable_cell_sweeps_all_that_is_required(
+            squares in prop::collection::vec(prop::bool::weighted(0.8), 12 * 9),
+            cell_m in 0.3_f64..1.1,
+            body in 0.1_f64..0.5,
+            tool in 0.3_f64..2.0,
+        ) {
+            let map = GridMap::new(12, 9, 0.5, Point::new(-1.0, 2.0), squares).unwrap();
+            if let Ok(floor) = Floor::new(&map, cell_m, body, tool) {
+                let mut raster = SweptRaster::new(*floor.lattice());
+                for cell in floor.lattice().cells().filter(|&cell| floor.cell_is_drivable(cell)) {
+                    let stand = floor.lattice().center(cell);
+                    raster.sweep(Segment::new(stand, stand), tool / 2.0, |_| {});
+                }
+                for index in 0..floor.lattice().len() {
+                    let required = floor.required(index);
+                    prop_assert_eq!(required & !raster.samples(index), 0);
+                    for bit in (0..SAMPLES_PER_CELL).filter(|bit| required >> bit & 1 == 1) {
+                        let sample = sample_point(floor.lattice(), floor.lattice().cell(index), bit);
+                        prop_assert!(map.point_is_free(sample));
+                    }
+                }
+                let all: Vec<bool> = (0..floor.lattice().len()).map(|i| floor.is_drivable(i)).collect();
+                prop_assert_eq!(floor.required_from(&all), floor.required);
+            }
+        }
+    }
 }

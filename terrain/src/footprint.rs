@@ -103,3 +103,39 @@ pub(crate) fn sample_point(lattice: &Lattice, cell: Cell, bit: u32) -> Point {
         lattice.origin.y + f64::from(cell.y) * lattice.cell_m + (f64::from(bit / SIDE) + 0.5) * step,
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn swept_area_agrees_with_a_hundred_times_finer_count() {
+        let lattice = Lattice { origin: Point::new(-1.0, -2.0), cell_m: 0.25, columns: 40, rows: 40 };
+        let segment = Segment::new(Point::new(1.1, 0.7), Point::new(5.3, 4.9));
+        let radius_m = 0.61;
+        let mut raster = SweptRaster::new(lattice);
+        raster.sweep(segment, radius_m, |_| {});
+        let samples = (0..lattice.len()).map(|index| u64::from(raster.samples(index).count_ones())).sum();
+        let fine_m = lattice.cell_m / 80.0;
+        let points = (0..3200).flat_map(|y| (0..3200).map(move |x| (f64::from(x) + 0.5, f64::from(y) + 0.5)));
+        let inside = points
+            .filter(|(x, y)| {
+                segment.distance_to_point(Point::new(x * fine_m - 1.0, y * fine_m - 2.0)) <= radius_m
+            })
+            .count();
+        let counted_m2 = inside as f64 * fine_m * fine_m;
+        let swept_m2 = SweptRaster::area_m2(&lattice, samples);
+        assert!((swept_m2 / counted_m2 - 1.0).abs() < 0.005, "{swept_m2} {counted_m2}");
+    }
+
+    #[test]
+    fn a_cell_gains_its_samples_once() {
+        let lattice = Lattice { origin: Point::origin(), cell_m: 1.0, columns: 3, rows: 3 };
+        let stand = Segment::new(Point::new(1.5, 1.5), Point::new(1.5, 1.5));
+        let mut raster = SweptRaster::new(lattice);
+        let mut gained = Vec::new();
+        raster.sweep(stand, 0.7, |index| gained.push(index));
+        assert_eq!(gained, [1, 3, 4, 5, 7]);
+        raster.sweep(stand, 0.7, |index| panic!("cell {index} gained again"));
+    }
+}

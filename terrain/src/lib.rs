@@ -18,8 +18,11 @@ mod floor;
 mod footprint;
 mod grid_map;
 mod lattice;
+mod map_file;
 mod motion;
 mod movingai;
+mod polygon;
+mod ros_map;
 mod segment;
 
 pub use cell::{Cell, Direction};
@@ -27,8 +30,10 @@ pub use floor::{CellClass, Floor, FloorError};
 pub use footprint::{SAMPLES_PER_CELL, SweptRaster, samples_swept_from};
 pub use grid_map::{GridMap, MapError};
 pub use lattice::Lattice;
+pub use map_file::{FILE_BYTES_MAX, MapFile, MapFileError};
 pub use motion::{MotionModel, angle_between};
 pub use movingai::parse_movingai;
+pub use polygon::{CORNERS_MAX, Polygons};
 pub use segment::Segment;
 
 /// A place in the `map` frame, metres.
