@@ -37,7 +37,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use terrain::{Floor, GridMap, Point};
+use terrain::{Floor, GridMap, MapFile, Point};
 
 /// What a scenario file says.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -122,7 +122,7 @@ impl Scenario {
         let file = parse_file(text, path)?;
         check::check_values(&file).map_err(refused)?;
         let map_path = path.parent().unwrap_or(Path::new(".")).join(&file.mission.map);
-        let map = load_map(&map_path, file.mission.metres_per_character)?;
+        let map = load_map(&map_path, &file)?;
         let mut scenario = Self::on_map(file, map).map_err(refused)?;
         (scenario.text, scenario.path, scenario.map_path) = (text.to_owned(), path.to_owned(), map_path);
         Ok(scenario)
@@ -206,10 +206,10 @@ fn parse_file(text: &str, path: &Path) -> Result<ScenarioFile, ScenarioError> {
     })
 }
 
-fn load_map(path: &Path, metres_per_character: Option<f64>) -> Result<GridMap, ScenarioError> {
-    let text = read(path)?;
-    terrain::parse_movingai(&text, metres_per_character.unwrap_or(1.0))
-        .map_err(|source| ScenarioError::Map { path: path.to_owned(), source })
+/// Polygons are laid out in squares that are an eighth of a cell wide: as fine as the ledger's samples.
+fn load_map(path: &Path, file: &ScenarioFile) -> Result<GridMap, ScenarioError> {
+    let metres_per_character = file.mission.metres_per_character.unwrap_or(1.0);
+    Ok(MapFile { metres_per_character, square_m: file.cell_m() / 8.0 }.load(path)?)
 }
 
 fn read(path: &Path) -> Result<String, ScenarioError> {

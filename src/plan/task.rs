@@ -58,7 +58,7 @@ impl Task {
     pub fn of_scenario(path: &Path) -> Result<Self> {
         let scenario = Scenario::load(path)?;
         let file = &scenario.file;
-        let robot = |entry: &sim::scenario::RobotEntry| {
+        let robot = |entry: &sim::RobotEntry| {
             let place = Place {
                 position: Point::new(entry.x_m, entry.y_m),
                 heading_rad: Some(entry.theta_deg.to_radians()),

@@ -7,8 +7,8 @@ use std::collections::{BTreeMap, VecDeque};
 const NOTICE_S: f64 = 30.0;
 /// An agent that was silent for so long is dead: nobody could have driven it to a station.
 const SILENT_S: f64 = 2.0;
-/// How long a report may be on its way.
-const DELAY_S: f64 = 1.0;
+/// A report is compared with the truths of this long before and after it, seconds.
+const DELAY_S: f64 = 0.5;
 /// How far a report may be off, percentage points.
 const ERROR_PERCENT_MAX: f64 = 2.0;
 
@@ -16,6 +16,8 @@ const ERROR_PERCENT_MAX: f64 = 2.0;
 #[derive(Debug, Default)]
 struct Battery {
     recent: VecDeque<(f64, f64)>,
+    /// Reports that wait for the truths around them.
+    reports: VecDeque<(f64, f64)>,
     lowest_percent: Option<f64>,
     warned_at_s: Option<f64>,
     heard_at_s: Option<f64>,
@@ -37,7 +39,7 @@ impl Batteries {
         let percent = body.state_of_charge_percent;
         let battery = self.of(&body.serial_number);
         battery.recent.push_back((at_s, percent));
-        while battery.recent.front().is_some_and(|&(then_s, _)| then_s < at_s - DELAY_S) {
+        while battery.recent.front().is_some_and(|&(then_s, _)| then_s < at_s - 2.0 * DELAY_S) {
             battery.recent.pop_front();
         }
         battery.lowest_percent = Some(battery.lowest_percent.map_or(percent, |lowest| lowest.min(percent)));
@@ -63,10 +65,13 @@ impl Batteries {
         } else {
             battery.warned_at_s = None;
         }
-        let error = battery.report_error(state.state_of_charge_percent)?;
+        battery.reports.push_back((at_s, state.state_of_charge_percent));
+        let due = battery.reports.front().is_some_and(|&(then_s, _)| at_s - then_s >= DELAY_S);
+        let (_, reported) = battery.reports.front().copied().filter(|_| due)?;
+        battery.reports.pop_front();
+        let error = battery.report_error(reported)?;
         let told = error > ERROR_PERCENT_MAX && !std::mem::replace(&mut battery.misreported, true);
         self.report_error_percent = self.report_error_percent.max(error);
-        let reported = state.state_of_charge_percent;
         told.then(|| format!("{robot} reports {reported:.1} % charge, off by {error:.1} points"))
     }
 
@@ -90,7 +95,7 @@ impl Battery {
         alive && !warned
     }
 
-    /// How far a report lies outside what was true within the last second.
+    /// How far a report lies outside what was true around its time.
     fn report_error(&self, reported: f64) -> Option<f64> {
         let charges = self.recent.iter().map(|&(_, percent)| percent);
         let (low, high) =

@@ -1,7 +1,7 @@
 //! Why a scenario is refused: which file, which line, which key, and what to do about it.
 
 use std::path::PathBuf;
-use terrain::{FloorError, MapError};
+use terrain::{FloorError, MapFileError};
 use thiserror::Error;
 use toml::de::{DeTable, DeValue};
 
@@ -38,14 +38,9 @@ pub enum ScenarioError {
         /// What is wrong, and what to do.
         what: String,
     },
-    /// The map file is broken.
-    #[error("{}: {source}", path.display())]
-    Map {
-        /// The map file.
-        path: PathBuf,
-        /// What is wrong with it.
-        source: MapError,
-    },
+    /// The map cannot be read; it is looked for beside the scenario file.
+    #[error("mission.map: {0} (a map is looked for beside the scenario file)")]
+    Map(#[from] MapFileError),
 }
 
 /// A value that makes no sense, before file and line are known.
