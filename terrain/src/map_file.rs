@@ -102,7 +102,7 @@ fn read(path: &Path) -> Result<Vec<u8>, MapFileError> {
 fn text(bytes: Vec<u8>) -> Result<String, MapError> {
     String::from_utf8(bytes).map_err(|error| {
         let before = &error.as_bytes()[..error.utf8_error().valid_up_to()];
-        let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
+        let line = 1 + before.split(|&byte| byte == b'\n').skip(1).count();
         MapError::Format { line, what: "not UTF-8 text".to_owned() }
     })
 }
