@@ -38,7 +38,7 @@ const NOT_REACHED: u8 = 5;
 Exit codes: 0 completed, 1 error, 2 usage, 3 gaps left, 5 coordinator not reached."
 )]
 struct Cli {
-    /// More of the log: -v decisions, -vv every message. RUST_LOG wins.
+    /// More of the log: -v decisions, -vv every message. `RUST_LOG` wins.
     #[arg(short, long, action = clap::ArgAction::Count, global = true)]
     verbose: u8,
     #[command(subcommand)]

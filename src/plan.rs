@@ -55,7 +55,7 @@ pub struct PlanArgs {
 /// A floor and robots without a scenario file.
 #[derive(Debug, Args)]
 pub struct MapArgs {
-    /// MovingAI .map, ROS map_server .yaml, GeoJSON or JSON polygons
+    /// MovingAI .map, ROS .yaml with its image, GeoJSON or JSON polygons
     #[arg(long, value_name = "FILE", requires_all = ["tool_width_m", "start"])]
     map: Option<PathBuf>,
     /// Diameter of the tool's disc, metres
@@ -129,7 +129,7 @@ fn plan_within(task: &Arc<Task>, args: &PlanArgs) -> Result<(VerifiedPlan, f64)>
     let (sender, receiver) = mpsc::channel();
     let begun = now();
     let shared = Arc::clone(task);
-    thread::spawn(move || sender.send(planner::plan(&shared.instance(), &options)));
+    thread::spawn(move || drop(sender.send(planner::plan(&shared.instance(), &options))));
     let answer = match args.time_limit_s.and_then(|limit| Duration::try_from_secs_f64(limit).ok()) {
         Some(limit) => receiver.recv_timeout(limit),
         None => receiver.recv().map_err(|_| mpsc::RecvTimeoutError::Disconnected),

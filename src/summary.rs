@@ -31,7 +31,7 @@ pub struct Report {
 impl Report {
     /// From the coordinator's last word.
     pub fn new(result: &v1::MissionResult) -> Self {
-        let progress = result.progress.clone().unwrap_or_default();
+        let progress = result.progress.unwrap_or_default();
         Self {
             result: result.mission_state().as_str_name().to_owned(),
             cause: result.cause.clone(),

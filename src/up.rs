@@ -156,7 +156,7 @@ async fn watch(
     inbox: &mut mpsc::Receiver<News>,
 ) -> Result<Report> {
     let bar = progress_bar();
-    let mut told = Instant::now();
+    let mut told = now();
     let mut report: Option<Report> = None;
     let mut last_words: Vec<String> = Vec::new();
     children.start_coordinator(args, out)?;

@@ -457,7 +457,7 @@ impl<W: FnMut(&Publication)> Driver<W> {
         self.stats.record_dropped =
             self.log.as_ref().map_or(0, LogThread::dropped) + self.dropped.load(Ordering::Relaxed);
         self.stats.coordinator_cpu_s = cpu_seconds();
-        let stats = self.stats.clone();
+        let stats = self.stats;
         link::put(
             &self.session,
             &keys::coordinator(&self.fleet, "stats"),

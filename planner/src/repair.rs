@@ -43,7 +43,7 @@ pub(crate) fn repair(instance: &Instance<'_>) -> Result<Option<Plan>, PlanError>
     for piece in small {
         workshop.insert(&piece)?;
     }
-    workshop.append(large)?;
+    workshop.append(&large)?;
     workshop.routes().map(Some)
 }
 
@@ -171,7 +171,7 @@ impl<'a> Workshop<'a> {
     }
 
     /// Cuts large pieces and appends the parts to routes.
-    fn append(&mut self, pieces: Vec<Vec<Cell>>) -> Result<(), PlanError> {
+    fn append(&mut self, pieces: &[Vec<Cell>]) -> Result<(), PlanError> {
         if pieces.is_empty() {
             return Ok(());
         }
@@ -184,8 +184,7 @@ impl<'a> Workshop<'a> {
         let mut high_s =
             latest_s + total_s * 2.0 + 2.0 * f64::from(far_s) * self.move_s * (pieces.len() + 1) as f64;
         let mut low_s = finish_s.iter().copied().fold(f64::INFINITY, f64::min);
-        let dealer =
-            Dealer { workshop: self, pieces: &pieces, finish_s: &finish_s, ends: &ends, legs: &legs };
+        let dealer = Dealer { workshop: self, pieces, finish_s: &finish_s, ends: &ends, legs: &legs };
         let mut best = dealer.deal(high_s).ok_or(PlanError::Unreachable(pieces[0][0]))?;
         for _ in 0..BISECTIONS {
             let middle_s = f64::midpoint(low_s, high_s);
@@ -304,13 +303,11 @@ impl Dealer<'_> {
     }
 
     fn leg_s(&self, robot: usize, at: Option<Cell>, to: Cell) -> f64 {
-        let moves = match at {
-            Some(from) => DETOUR * f64::from(from.manhattan(to)),
-            None => {
-                let index =
-                    self.workshop.instance.floor.lattice().index(to).expect("pieces are on the lattice");
-                f64::from(self.legs[robot][index])
-            }
+        let moves = if let Some(from) = at {
+            DETOUR * f64::from(from.manhattan(to))
+        } else {
+            let lattice = self.workshop.instance.floor.lattice();
+            f64::from(self.legs[robot][lattice.index(to).expect("pieces are on the lattice")])
         };
         moves * self.workshop.move_s
     }

@@ -1,9 +1,9 @@
 //! What is to be planned: read from a scenario, or put together from options.
 
 use super::MapArgs;
+use ::sim::{RobotEntry, Scenario};
 use anyhow::{Context, Error, Result, anyhow, bail};
 use planner::{Instance, Mode, PlanError, Start};
-use sim::Scenario;
 use std::{path::Path, str::FromStr, sync::Arc};
 use terrain::{Floor, GridMap, MapFile, MotionModel, Point};
 
@@ -58,7 +58,7 @@ impl Task {
     pub fn of_scenario(path: &Path) -> Result<Self> {
         let scenario = Scenario::load(path)?;
         let file = &scenario.file;
-        let robot = |entry: &sim::RobotEntry| {
+        let robot = |entry: &RobotEntry| {
             let place = Place {
                 position: Point::new(entry.x_m, entry.y_m),
                 heading_rad: Some(entry.theta_deg.to_radians()),

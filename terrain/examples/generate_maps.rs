@@ -48,7 +48,7 @@ fn demo() -> Drawing {
     floor.carve([12, 4, 2, 2]);
     floor.carve([12, 14, 2, 2]);
     floor.carve([4, 9, 2, 2]);
-    floor.block([18, 8, 6, 3]);
+    floor.block([18, 8, 6, 4]);
     floor
 }
 

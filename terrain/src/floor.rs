@@ -332,7 +332,7 @@ mod tests {
 
     #[test]
     fn ground_that_no_tool_reaches_is_too_narrow() {
-        let seen = floor("......#.\n......#.", 0.5, 0.26, 0.6);
+        let seen = floor(&"......#.\n".repeat(5), 0.5, 0.26, 0.6);
         assert!(seen.to_string().lines().all(|line| line.ends_with("#-")), "{seen}");
     }
 

@@ -21,12 +21,12 @@ pub const FILE_BYTES_MAX: u64 = 64 << 20;
 #[derive(Debug, Error)]
 pub enum MapFileError {
     /// It is not there, or may not be read.
-    #[error("{}: {source}; check the path", path.display())]
+    #[error("{}: {cause}; check the path", path.display())]
     Read {
         /// What was looked for.
         path: PathBuf,
         /// What the system said.
-        source: std::io::Error,
+        cause: std::io::Error,
     },
     /// It is larger than we take.
     #[error("{}: larger than {} MiB, which is the most that is read", path.display(), FILE_BYTES_MAX >> 20)]
@@ -41,12 +41,12 @@ pub enum MapFileError {
         path: PathBuf,
     },
     /// Its content is not a map.
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {cause}", path.display())]
     Content {
         /// The file.
         path: PathBuf,
         /// What is wrong with it.
-        source: MapError,
+        cause: MapError,
     },
 }
 
@@ -67,7 +67,7 @@ impl MapFile {
     /// [`MapFileError`], naming the file and what is wrong with it.
     pub fn load(&self, path: impl AsRef<Path>) -> Result<GridMap, MapFileError> {
         let path = path.as_ref();
-        let refused = |source| MapFileError::Content { path: path.to_owned(), source };
+        let refused = |cause| MapFileError::Content { path: path.to_owned(), cause };
         let kind = path.extension().and_then(|kind| kind.to_str()).unwrap_or("").to_ascii_lowercase();
         match kind.as_str() {
             "map" => parse_movingai(&text(read(path)?).map_err(refused)?, self.metres_per_character)
@@ -82,15 +82,15 @@ impl MapFile {
 }
 
 fn load_ros_map(path: &Path) -> Result<GridMap, MapFileError> {
-    let refused = |source| MapFileError::Content { path: path.to_owned(), source };
+    let refused = |cause| MapFileError::Content { path: path.to_owned(), cause };
     let header = text(read(path)?).and_then(|text| ros_map::parse_header(&text)).map_err(refused)?;
     let image_path = header.image_below(path.parent().unwrap_or(Path::new("."))).map_err(refused)?;
     let image = read(&image_path)?;
-    header.grid(&image).map_err(|source| MapFileError::Content { path: image_path, source })
+    header.grid(&image).map_err(|cause| MapFileError::Content { path: image_path, cause })
 }
 
 fn read(path: &Path) -> Result<Vec<u8>, MapFileError> {
-    let failed = |source| MapFileError::Read { path: path.to_owned(), source };
+    let failed = |cause| MapFileError::Read { path: path.to_owned(), cause };
     let mut bytes = Vec::new();
     File::open(path).map_err(failed)?.take(FILE_BYTES_MAX + 1).read_to_end(&mut bytes).map_err(failed)?;
     if bytes.len() as u64 > FILE_BYTES_MAX {
@@ -102,7 +102,7 @@ fn read(path: &Path) -> Result<Vec<u8>, MapFileError> {
 fn text(bytes: Vec<u8>) -> Result<String, MapError> {
     String::from_utf8(bytes).map_err(|error| {
         let before = &error.as_bytes()[..error.utf8_error().valid_up_to()];
-        let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
+        let line = 1 + before.split(|&byte| byte == b'\n').skip(1).count();
         MapError::Format { line, what: "not UTF-8 text".to_owned() }
     })
 }

@@ -114,13 +114,13 @@ impl Header {
 
     /// The map from the image's bytes; its size is checked before its pixels are decoded.
     pub(crate) fn grid(&self, bytes: &[u8]) -> Result<GridMap, MapError> {
-        let (columns, rows) = reader(bytes)?.into_dimensions().map_err(not_an_image)?;
+        let (columns, rows) = reader(bytes)?.into_dimensions().map_err(|error| not_an_image(&error))?;
         GridMap::check_size(u64::from(columns), u64::from(rows))?;
         let mut reader = reader(bytes)?;
         let mut limits = Limits::default();
         limits.max_alloc = Some(16 * crate::grid_map::SQUARES_MAX);
         reader.limits(limits);
-        let image = reader.decode().map_err(not_an_image)?;
+        let image = reader.decode().map_err(|error| not_an_image(&error))?;
         let opaque = opaque(&image);
         let grey = image.into_luma8();
         let is_free = |x, y| opaque(x, y) && self.is_free(grey.get_pixel(x, y)[0]);
@@ -160,7 +160,7 @@ fn reader(bytes: &[u8]) -> Result<ImageReader<Cursor<&[u8]>>, MapError> {
         .map_err(|error| MapError::Format { line: 0, what: error.to_string() })
 }
 
-fn not_an_image(error: image::ImageError) -> MapError {
+fn not_an_image(error: &image::ImageError) -> MapError {
     MapError::Format { line: 0, what: format!("not a PGM or PNG image: {error}") }
 }
 
