@@ -12,7 +12,7 @@ demo *ARGS:
 
 # Plays random faults over many seeds: `just seeds 0 1000`.
 seeds from to:
-    cargo run --release --locked -- rehearse scenarios/random.toml --seeds {{from}}..{{to}}
+    cargo run --release --locked -- rehearse scenarios/demo.toml --random-faults --seeds {{from}}..{{to}}
 
 # Writes the floors of maps/ anew from their generator.
 maps:

@@ -46,7 +46,7 @@ for_s = 14.0
 fn the_log_of_a_killed_coordinator_is_readable_and_true() {
     let fleet = Fleet::new("killed", &scenario(3, ""));
     let mut processes = fleet.start(4.0);
-    std::thread::sleep(Duration::from_secs(6));
+    common::pause(Duration::from_secs(6));
     processes.kill_coordinator();
     drop(processes);
     let log = common::Log::read(&fleet.log());
@@ -65,7 +65,7 @@ fn the_log_of_a_killed_coordinator_is_readable_and_true() {
 #[test]
 fn a_person_can_ask_pause_resume_and_cancel() {
     let fleet = Fleet::new("asked", &scenario(3, ""));
-    let processes = fleet.start(2.0);
+    let mut processes = fleet.start(2.0);
     let at = processes.locator.clone();
     let ask = |words: &[&str]| {
         let mut all = words.to_vec();
@@ -77,7 +77,7 @@ fn a_person_can_ask_pause_resume_and_cancel() {
     let status: serde_json::Value = serde_json::from_slice(&status.stdout).expect("status --json is JSON");
     assert_eq!(status["robots"].as_array().map(Vec::len), Some(3), "{status}");
     assert!(ask(&["pause"]).status.success());
-    std::thread::sleep(Duration::from_millis(1500));
+    common::pause(Duration::from_millis(1500));
     let paused = String::from_utf8_lossy(&ask(&["status"]).stdout).into_owned();
     assert!(paused.contains("PAUSED"), "{paused}");
     assert!(ask(&["resume"]).status.success());
@@ -87,6 +87,7 @@ fn a_person_can_ask_pause_resume_and_cancel() {
     assert!(ask(&["fault", "battery_drop", "r1", "to_percent=40"]).status.success());
     assert!(ask(&["cancel"]).status.success());
     processes.wait_for("CANCELLED");
+    assert_eq!(processes.coordinator_ends(), Some(1), "a cancelled mission is no success");
 }
 
 #[test]

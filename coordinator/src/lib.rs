@@ -20,6 +20,8 @@ pub mod recorder;
 mod replan;
 mod robot;
 mod route;
+#[cfg(test)]
+mod tests;
 mod traffic;
 mod way;
 mod zones;

@@ -118,7 +118,8 @@ impl Coordinator {
 
     /// Asks the planner when it is time.
     pub(crate) fn send_plan_request(&mut self, now: Timestamp, out: &mut Vec<Output>) {
-        if self.replanning.due().is_none_or(|due| now < due) || self.state == MissionState::Paused {
+        let may_plan = !self.ended() && self.state != MissionState::Paused;
+        if !may_plan || self.replanning.due().is_none_or(|due| now < due) {
             return;
         }
         self.replanning.due = None;

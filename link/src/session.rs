@@ -3,7 +3,7 @@
 
 use anyhow::{Context, Result, anyhow, bail};
 use std::{
-    path::{Path, PathBuf},
+    path::PathBuf,
     sync::mpsc,
     time::{Duration, Instant},
 };
@@ -21,7 +21,7 @@ const ATTEMPT_MAX: Duration = Duration::from_secs(10);
 pub struct Endpoint {
     /// For example `tcp/127.0.0.1:7447`.
     pub locator: String,
-    /// A zenoh configuration file (JSON5); what it sets wins over our defaults.
+    /// A zenoh configuration file (JSON5); what it sets wins over our settings, mode and endpoint excepted.
     pub config_file: Option<PathBuf>,
     /// Prefix of all keys of the session, for several fleets on one router.
     pub namespace: Option<String>,
@@ -91,36 +91,29 @@ pub fn open_client(at: &Endpoint, patience: Duration) -> Result<Session> {
     }
 }
 
+/// Our settings, under those of the file: where the file says nothing (or what zenoh does by itself), ours hold.
 fn settings(at: &Endpoint) -> Result<Config> {
-    let mut config = Config::default();
-    let quiet = [
+    let mut config = match &at.config_file {
+        Some(file) => Config::from_file(file)
+            .map_err(|error| anyhow!("{error}"))
+            .with_context(|| format!("{}: not a zenoh configuration", file.display()))?,
+        None => Config::default(),
+    };
+    let ours = [
         ("scouting/multicast/enabled", "false".to_owned()),
         ("scouting/gossip/enabled", "false".to_owned()),
         ("transport/link/tx/lease", LEASE_MS.to_string()),
         ("transport/link/tx/queue/congestion_control/block/wait_before_close", BLOCKED_MAX_US.to_string()),
         ("connect/retry", "{period_init_ms: 200, period_max_ms: 1000}".to_owned()),
     ];
-    for (key, value) in &quiet {
-        set(&mut config, key, value)?;
+    let by_itself = Config::default();
+    for (key, value) in &ours {
+        if config.get_json(key).ok() == by_itself.get_json(key).ok() {
+            set(&mut config, key, value)?;
+        }
     }
     if let Some(namespace) = &at.namespace {
         set(&mut config, "namespace", &format!("\"{namespace}\""))?;
-    }
-    match &at.config_file {
-        Some(file) => merge_file(config, file),
-        None => Ok(config),
-    }
-}
-
-/// The file's top-level settings are laid over ours.
-fn merge_file(mut config: Config, file: &Path) -> Result<Config> {
-    let theirs = Config::from_file(file)
-        .map_err(|error| anyhow!("{error}"))
-        .with_context(|| format!("{}: not a zenoh configuration", file.display()))?;
-    for key in ["transport/auth", "transport/link/tls", "access_control", "timestamping", "qos"] {
-        if let Ok(value) = theirs.get_json(key) {
-            let _ = config.insert_json5(key, &value);
-        }
     }
     Ok(config)
 }

@@ -64,6 +64,12 @@ pub fn oxplow(words: &[&str]) -> Output {
         .expect("the program starts")
 }
 
+/// Lets the processes go on for a while.
+#[expect(clippy::disallowed_methods, reason = "a test with processes waits")]
+pub fn pause(time: Duration) {
+    std::thread::sleep(time);
+}
+
 /// A fleet with a name, a folder and a scenario of its own.
 pub struct Fleet {
     pub name: String,
@@ -161,6 +167,19 @@ impl Processes {
         self.children[0].wait().expect("it is our child");
     }
 
+    /// Waits until the coordinator has ended by itself; its exit code.
+    #[expect(clippy::disallowed_methods, reason = "a test with processes waits")]
+    pub fn coordinator_ends(&mut self) -> Option<i32> {
+        let begun = Instant::now();
+        while begun.elapsed() < Duration::from_secs(20) {
+            if let Ok(Some(status)) = self.children[0].try_wait() {
+                return status.code();
+            }
+            pause(Duration::from_millis(50));
+        }
+        panic!("the coordinator goes on");
+    }
+
     /// Waits until the coordinator's log has a word.
     #[expect(clippy::disallowed_methods, reason = "a test with processes waits")]
     pub fn wait_for(&self, word: &str) {
@@ -169,7 +188,7 @@ impl Processes {
             if self.events.lock().expect("no panic").contains(word) {
                 return;
             }
-            std::thread::sleep(Duration::from_millis(50));
+            pause(Duration::from_millis(50));
         }
         panic!("no {word} in\n{}", self.events.lock().expect("no panic"));
     }
