@@ -63,6 +63,12 @@ fn a_body_wider_than_every_passage_is_said() {
 }
 
 #[test]
+fn a_tool_wider_than_every_passage_is_said() {
+    let said = refused("tool", &scenario(2, "").replace("tool_width_m = 0.75", "tool_width_m = 9.0"));
+    assert_names(&said, &["tool_width_m", "9 m", "every passage"]);
+}
+
+#[test]
 fn a_run_is_never_overwritten() {
     let fleet = Fleet::new("twice", &scenario(2, ""));
     std::fs::create_dir_all(fleet.out()).expect("a folder");

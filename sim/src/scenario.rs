@@ -134,6 +134,11 @@ impl Scenario {
         let tool_width_m = robot.tool_width_m - 2.0 * SWEEP_TOLERANCE_M;
         let floor = Floor::new(&map, file.cell_m(), robot.body_radius_m, tool_width_m)
             .map_err(|error| Refused::floor(&error))?;
+        if !floor.tool_fits(&map, robot.tool_width_m) {
+            let width_m = robot.tool_width_m;
+            let what = format!("a tool of {width_m} m is wider than every passage; give a narrower one");
+            return Err(Refused::new("robot.tool_width_m", what));
+        }
         match (&file.fleet, file.robots.is_empty()) {
             (Some(_), false) => {
                 return Err(Refused::new("fleet", "there are `[[robots]]`, too; keep one of the two"));

@@ -95,6 +95,12 @@ impl Task {
                 path.display()
             )
         })?;
+        if !floor.tool_fits(&map, tool_width_m) {
+            bail!(
+                "{}: a tool of {tool_width_m} m is wider than every passage; give a narrower --tool-width-m",
+                path.display()
+            );
+        }
         let robot = |(number, place): (usize, &Place)| {
             let start = start_at(&map, &floor, *place).with_context(|| {
                 format!("--start {},{} (robot {})", place.position.x, place.position.y, number + 1)

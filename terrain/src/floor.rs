@@ -188,6 +188,14 @@ impl Floor {
         crate::SweptRaster::area_m2(&self.lattice, samples)
     }
 
+    /// Whether a tool of this width, metres, fits between the walls at some place where the body can stand.
+    pub fn tool_fits(&self, map: &GridMap, tool_width_m: f64) -> bool {
+        self.lattice
+            .cells()
+            .filter(|&cell| self.cell_is_drivable(cell))
+            .any(|cell| map.disc_is_free(self.lattice.center(cell), tool_width_m / 2.0))
+    }
+
     /// The drivable cell nearest to a point whose straight way from there is free for the body, if any is
     /// within 1.5 cells.
     pub fn nearest_drivable(&self, map: &GridMap, point: Point) -> Option<Cell> {
