@@ -7,6 +7,7 @@
 
 mod bricks;
 mod circumnavigation;
+mod disjoint_sets;
 mod division;
 mod instance;
 mod plan;

@@ -1,5 +1,6 @@
 //! The table of planners. A new one is one file and one row here.
 
+mod mstc_star;
 mod stc;
 pub(crate) mod tmstc_star;
 
@@ -19,6 +20,7 @@ pub struct Planner {
 /// Every planner, in the order of the README's table.
 pub const PLANNERS: &[Planner] = &[
     Planner { name: "tmstc-star", paper: "Lu, Zeng, Tang, Lam and Wen 2023", plan: tmstc_star::plan },
+    Planner { name: "mstc-star", paper: "Tang, Sun and Zhang 2021", plan: mstc_star::plan },
     Planner { name: "stc", paper: "Gabriely and Rimon 2001", plan: stc::plan },
 ];
 

@@ -188,3 +188,104 @@ fn turns(route: &Route) -> u32 {
     }
     turns
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Start;
+    use terrain::{Floor, Lattice, MotionModel, Point};
+
+    const MOTION: MotionModel = MotionModel {
+        speed_m_per_s: 0.5,
+        acceleration_m_per_s2: 0.5,
+        angular_speed_rad_per_s: 0.8,
+        angular_acceleration_rad_per_s2: f64::INFINITY,
+        brakes: true,
+    };
+
+    /// Three columns, two rows; the middle of the upper row is a wall.
+    fn floor() -> Floor {
+        let lattice = Lattice { origin: Point::origin(), cell_m: 0.5, columns: 3, rows: 2 };
+        Floor::from_cells(lattice, &[true, true, true, true, false, true], 0.177, 0.75)
+    }
+
+    const ALL: [(i32, i32); 7] = [(0, 1), (0, 0), (1, 0), (2, 0), (2, 1), (2, 0), (1, 0)];
+
+    fn route(cells: &[(i32, i32)]) -> Route {
+        let lattice = *floor().lattice();
+        Route { points: cells.iter().map(|&(x, y)| lattice.center(Cell::new(x, y))).collect() }
+    }
+
+    fn judge(routes: Vec<Route>, change: impl FnOnce(&mut Instance<'_>)) -> Result<Figures, VerifyError> {
+        let floor = floor();
+        let starts = vec![Start::at(Cell::new(0, 1))];
+        let mut instance = Instance::whole_floor(&floor, starts, MOTION, Mode::Cover);
+        change(&mut instance);
+        verify(&instance, &Plan { routes })
+    }
+
+    #[test]
+    fn a_good_plan_is_measured() {
+        let figures =
+            judge(vec![route(&ALL[..5])], |instance| instance.starts[0].available_in_s = 7.0).unwrap();
+        assert_eq!(figures.turns, [2]);
+        assert!((figures.length_m[0] - 2.0).abs() < 1e-9);
+        assert!((figures.coverage_ratio - 1.0).abs() < 1e-9);
+        assert!(figures.overlap_ratio.abs() < 1e-9);
+        let quarter_turn_s = std::f64::consts::FRAC_PI_2 / 0.8;
+        let runs_s = 2.0 * MOTION.run_s(0.5) + MOTION.run_s(1.0);
+        assert!((figures.makespan_s - (7.0 + runs_s + 2.0 * quarter_turn_s)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn cells_entered_again_are_overlap() {
+        let figures = judge(vec![route(&ALL)], |_| {}).unwrap();
+        assert!((figures.overlap_ratio - 2.0 / 7.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_cell_left_out_is_a_gap() {
+        assert_eq!(judge(vec![route(&ALL[..4])], |_| {}), Err(VerifyError::Gap(Cell::new(2, 1))));
+        assert_eq!(judge(vec![Route::default()], |_| {}), Err(VerifyError::Gap(Cell::new(0, 0))));
+    }
+
+    #[test]
+    fn a_line_through_a_wall_a_corner_or_a_cell_between_is_off_ground() {
+        let off_ground = Err(VerifyError::OffGround { robot: 0, from: 0, to: 1 });
+        for next in [(1, 1), (1, 0), (2, 1), (0, 2)] {
+            assert_eq!(judge(vec![route(&[(0, 1), next])], |_| {}), off_ground, "{next:?}");
+        }
+    }
+
+    #[test]
+    fn a_blocked_cell_may_not_be_entered() {
+        let found = judge(vec![route(&ALL[..5])], |instance| instance.blocked[1] = true);
+        assert_eq!(found, Err(VerifyError::OffGround { robot: 0, from: 1, to: 2 }));
+    }
+
+    #[test]
+    fn a_route_begins_at_its_start() {
+        let start = Cell::new(0, 1);
+        assert_eq!(judge(vec![route(&ALL[1..])], |_| {}), Err(VerifyError::WrongStart { robot: 0, start }));
+    }
+
+    #[test]
+    fn every_robot_has_a_route() {
+        assert_eq!(judge(Vec::new(), |_| {}), Err(VerifyError::RouteCount { found: 0, expected: 1 }));
+    }
+
+    #[test]
+    fn a_place_is_a_number() {
+        let mut broken = route(&ALL[..5]);
+        broken.points[3].y = f64::NAN;
+        assert_eq!(judge(vec![broken], |_| {}), Err(VerifyError::NotFinite { robot: 0, point: 3 }));
+    }
+
+    #[test]
+    fn who_has_to_return_returns() {
+        let comes_back = |instance: &mut Instance<'_>| instance.mode = Mode::CoverAndReturn;
+        assert_eq!(judge(vec![route(&ALL)], comes_back), Err(VerifyError::NoReturn(0)));
+        let home = [&ALL[..], &[(0, 0), (0, 1)]].concat();
+        assert!(judge(vec![route(&home)], comes_back).is_ok());
+    }
+}

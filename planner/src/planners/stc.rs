@@ -22,12 +22,17 @@ use terrain::Direction;
 /// Plans.
 pub(super) fn plan(instance: &Instance<'_>, _options: &PlanOptions) -> Result<Plan, PlanError> {
     let graph = SpanningGraph::new(instance);
-    let along_rows =
-        depth_first(&graph, [Direction::East, Direction::West, Direction::North, Direction::South]);
-    let along_columns =
-        depth_first(&graph, [Direction::North, Direction::South, Direction::East, Direction::West]);
-    let forest = if along_columns.turns() < along_rows.turns() { along_columns } else { along_rows };
+    let forest = depth_first_forest(&graph);
     divide(instance, loops(&graph, &forest))
+}
+
+/// The forest grown along rows or along columns, whichever has fewer turns.
+pub(super) fn depth_first_forest(graph: &SpanningGraph) -> Forest {
+    let along_rows =
+        depth_first(graph, [Direction::East, Direction::West, Direction::North, Direction::South]);
+    let along_columns =
+        depth_first(graph, [Direction::North, Direction::South, Direction::East, Direction::West]);
+    if along_columns.turns() < along_rows.turns() { along_columns } else { along_rows }
 }
 
 /// A forest grown depth first, trying directions in a fixed order.

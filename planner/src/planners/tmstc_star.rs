@@ -18,6 +18,7 @@ use crate::{
     Instance, Plan, PlanError, PlanOptions,
     bricks::{Tiling, tile},
     circumnavigation::{Forest, loops, turns_around},
+    disjoint_sets::DisjointSets,
     division::divide,
     spanning_graph::{Node, SpanningGraph},
 };
@@ -78,39 +79,17 @@ fn added_turns(forest: &Forest, node: Node, direction: Direction, other: Node) -
     added(forest.edges(node), direction) + added(forest.edges(other), direction.opposite())
 }
 
-/// Sets of nodes that are joined already.
-struct DisjointSets {
-    parent: Vec<Node>,
-}
-
-impl DisjointSets {
-    fn new(nodes: usize) -> Self {
-        Self { parent: (0..nodes as Node).collect() }
-    }
-
-    fn find(&mut self, node: Node) -> Node {
-        let mut at = node;
-        while self.parent[at as usize] != at {
-            self.parent[at as usize] = self.parent[self.parent[at as usize] as usize];
-            at = self.parent[at as usize];
-        }
-        at
-    }
-
-    fn unite(&mut self, a: Node, b: Node) {
-        let (a, b) = (self.find(a), self.find(b));
-        self.parent[a.max(b) as usize] = a.min(b);
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Mode, Start};
+    use crate::{
+        Mode, Start,
+        planners::{mstc_star, stc},
+    };
     use terrain::{Floor, Lattice, MotionModel, Point, parse_movingai};
 
-    /// Turns of the walk around the tree of a shared map, and of Table II; `None` when the map is not there.
-    fn turns_on(name: &str) -> Option<u32> {
+    /// Turns of the walk around a tree of a shared map; `None` when the map is not there.
+    fn turns_on(name: &str, grow: fn(&SpanningGraph) -> Forest) -> Option<u32> {
         let path = format!("{}/../../shared/instances/tmstc/{name}.map", env!("CARGO_MANIFEST_DIR"));
         let Ok(text) = std::fs::read_to_string(&path) else {
             println!("skipped: {path} is not there");
@@ -131,15 +110,30 @@ mod tests {
             brakes: false,
         };
         let instance = Instance::whole_floor(&floor, vec![Start::at(first)], motion, Mode::Cover);
-        Some(turn_minimising_forest(&SpanningGraph::new(&instance)).turns())
+        Some(grow(&SpanningGraph::new(&instance)).turns())
     }
 
     #[test]
     fn the_tree_has_no_more_turns_than_table_ii() {
         for (map, paper) in [("indoor", 206), ("random", 208), ("denver_2", 652), ("newyork_0", 780)] {
-            if let Some(turns) = turns_on(map) {
+            if let Some(turns) = turns_on(map, turn_minimising_forest) {
                 println!("{map}: {turns} turns, Table II {paper}");
                 assert!(turns <= paper, "{map}: {turns} turns, Table II has {paper}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_tree_has_fewer_turns_than_those_of_the_other_planners() {
+        for map in ["indoor", "random", "denver_2", "newyork_0"] {
+            let Some(ours) = turns_on(map, turn_minimising_forest) else { continue };
+            for (tree, grow) in [
+                ("Kruskal", mstc_star::kruskal_forest as fn(&SpanningGraph) -> Forest),
+                ("depth first", stc::depth_first_forest),
+            ] {
+                let turns = turns_on(map, grow).unwrap();
+                println!("{map}: {ours} turns, {tree} {turns}");
+                assert!(ours < turns, "{map}: {ours} turns, {tree} has {turns}");
             }
         }
     }
