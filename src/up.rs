@@ -145,7 +145,13 @@ async fn supervise(args: &UpArgs, scenario: &Scenario, out: &Path) -> Result<Rep
         () = stop::asked() => Err(anyhow::anyhow!("interrupted; the log up to here is in {}", out.display())),
     };
     children.end_all().await;
+    link::remove_left_behind(&base_prefix(&args.fleet));
     outcome
+}
+
+/// The buses of a run have a prefix of their own, so that runs on one machine do not meet.
+fn base_prefix(fleet: &str) -> String {
+    format!("{fleet}-{}", std::process::id())
 }
 
 async fn watch(
@@ -245,7 +251,7 @@ impl Children {
 
     /// The sim and the agents, once the coordinator listens.
     fn start_rest(&mut self, args: &UpArgs, scenario: &Scenario, locator: &str) -> Result<()> {
-        let prefix = format!("{}-{}", args.fleet, std::process::id());
+        let prefix = base_prefix(&args.fleet);
         let mut sim = own_command("sim")?;
         sim.arg(&args.scenario)
             .args(["--connect", locator, "--fleet", &args.fleet, "--base-prefix", &prefix])

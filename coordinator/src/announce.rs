@@ -108,6 +108,28 @@ fn due(next: &mut Timestamp, now: Timestamp, every: Duration) -> bool {
 }
 
 impl Coordinator {
+    /// Publishes what changed, and once a second how everything stands.
+    pub(crate) fn announce(&mut self, now: Timestamp, out: &mut Vec<Output>) {
+        let ends = self.announcer.take_conclusion();
+        if ends.is_some() || self.announcer.coverage_due(now) {
+            let names: Vec<&str> = self.robots.iter().map(|robot| robot.id.as_str()).collect();
+            if let Some(delta) = self.ledger.take_delta(now, &names) {
+                Self::publish(out, Publication::Coverage(delta));
+            }
+            Self::publish(out, Publication::Reservations(self.reservations(now)));
+        }
+        if ends.is_some() || self.announcer.status_due(now) {
+            self.estimate_remaining();
+            Self::publish(out, Publication::Status(Box::new(self.status(now))));
+        }
+        if let Some(cause) = ends {
+            let result = self.result(now, &cause);
+            self.announcer.result_event(now, &result);
+            self.announcer.drain(out);
+            Self::publish(out, Publication::Result(result));
+        }
+    }
+
     /// How everything stands.
     pub(crate) fn status(&self, now: Timestamp) -> v1::FleetStatus {
         let mut progress = self.ledger.progress();

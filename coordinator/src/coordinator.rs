@@ -24,7 +24,7 @@ const TICK: Duration = Duration::from_millis(100);
 
 /// The state machine. Its parts: the roster ([`Robot`]), the [`Ledger`] of the floor, the [`Zones`] not to be
 /// entered, and what is decided about them (`presence.rs`, `traffic.rs`, `replan.rs`, `charging.rs`,
-/// `blockage.rs`, `ending.rs`).
+/// `blockage.rs`, `ending.rs`, `operator.rs`).
 #[derive(Debug)]
 pub struct Coordinator {
     pub(crate) config: Config,

@@ -5,9 +5,9 @@
 //! up to `looks_max` times a zone; only then are they given up, each with its reason.
 
 use crate::{
-    Coordinator, Output, Publication,
+    Coordinator, Output,
     charging::FAILURES_MAX,
-    ledger::{RobotIndex, Status},
+    ledger::RobotIndex,
     presence::TRIES_MAX,
     replan::Cause,
     robot::{Errand, Phase},
@@ -16,9 +16,9 @@ use crate::{
 };
 use protocol::{
     Timestamp,
-    v1::{self, EventLevel, InstantActionType, MissionState, ReplanCause, UnreachableReason, Verb},
+    v1::{EventLevel, MissionState, ReplanCause, UnreachableReason},
 };
-use std::{collections::BTreeMap, time::Duration};
+use std::time::Duration;
 use terrain::{Cell, Segment};
 
 /// A residual pass that covers nothing twice in a row shows that what is left cannot be swept.
@@ -408,196 +408,7 @@ impl Coordinator {
         self.conclude(now, cause);
     }
 
-    fn conclude(&mut self, now: Timestamp, cause: &str) {
+    pub(crate) fn conclude(&mut self, now: Timestamp, cause: &str) {
         self.announcer.conclude(now, self.state, cause);
     }
-
-    /// The last word of the mission.
-    pub(crate) fn result(&self, now: Timestamp, cause: &str) -> v1::MissionResult {
-        v1::MissionResult {
-            timestamp_ns: now.as_nanos(),
-            mission_id: self.config.mission.id.clone(),
-            mission_state: self.state.into(),
-            progress: Some(self.ledger.progress()),
-            gaps: self.gaps(),
-            duration_s: self.mission_began.map_or(0.0, |began| now.secs_since(began)),
-            replans: self.replanning.plans.saturating_sub(1),
-            robots_lost: self.robots_lost,
-            cause: cause.to_owned(),
-            planned_makespan_s: self.replanning.first_makespan_s,
-        }
-    }
-
-    /// Given-up cells gathered by reason and place: neighbours belong to one gap.
-    fn gaps(&self) -> Vec<v1::Gap> {
-        let lattice = self.floor.lattice();
-        let mut left: BTreeMap<usize, UnreachableReason> = self.ledger.gaps().into_iter().collect();
-        let mut gaps = Vec::new();
-        while let Some((&first, &reason)) = left.iter().next() {
-            left.remove(&first);
-            let (mut stack, mut cells) = (vec![first], Vec::new());
-            while let Some(index) = stack.pop() {
-                cells.push(index);
-                for direction in terrain::Direction::ALL {
-                    let near = lattice.index(lattice.cell(index).step(direction));
-                    if let Some(near) = near.filter(|near| left.get(near) == Some(&reason)) {
-                        left.remove(&near);
-                        stack.push(near);
-                    }
-                }
-            }
-            gaps.push(self.gap(&cells, reason));
-        }
-        gaps
-    }
-
-    fn gap(&self, cells: &[usize], reason: UnreachableReason) -> v1::Gap {
-        let lattice = self.floor.lattice();
-        let sum = cells
-            .iter()
-            .fold(terrain::Vector::zeros(), |sum, &cell| sum + lattice.center(lattice.cell(cell)).coords);
-        let centre = sum / cells.len() as f64;
-        let samples: u64 = cells.iter().map(|&cell| u64::from(self.ledger.missing(cell).count_ones())).sum();
-        let area_m2 = terrain::SweptRaster::area_m2(lattice, samples);
-        v1::Gap {
-            reason: reason.into(),
-            cells: cells.len() as u32,
-            area_m2,
-            centre: Some(v1::Point { x_m: centre.x, y_m: centre.y }),
-            text: format!(
-                "{} cells ({area_m2:.2} m²) around ({:.1}, {:.1}) m: {}",
-                cells.len(),
-                centre.x,
-                centre.y,
-                reason.as_str_name()
-            ),
-        }
-    }
-
-    /// A person asked for something.
-    pub(crate) fn on_operator(
-        &mut self,
-        now: Timestamp,
-        command: &v1::OperatorCommand,
-        out: &mut Vec<Output>,
-    ) {
-        if !command.serial_number.is_empty() {
-            let reason = "only the whole fleet can be paused, resumed and cancelled so far";
-            return Self::reply(out, command, false, reason);
-        }
-        let (accepted, reason) = match (command.verb(), self.state) {
-            (_, _) if self.ended() => (false, format!("the mission has ended: {}", self.state.as_str_name())),
-            (Verb::Pause, MissionState::Paused) => (true, "it is paused already".to_owned()),
-            (Verb::Pause, _) => {
-                self.state = MissionState::Paused;
-                (true, "robots stop; `oxplow resume` goes on".to_owned())
-            }
-            (Verb::Resume, MissionState::Paused) => {
-                self.state =
-                    if self.mission_began.is_some() { MissionState::Active } else { MissionState::Created };
-                if self.mission_began.is_some() {
-                    self.need_plan(now, Cause::fleet(ReplanCause::CauseOperator, "resumed"));
-                }
-                (true, "robots go on".to_owned())
-            }
-            (Verb::Resume, _) => (true, "it is not paused".to_owned()),
-            (Verb::Cancel, _) => {
-                self.state = MissionState::Cancelled;
-                self.conclude(now, &format!("cancelled by {}", command.who));
-                (true, "robots stop; the mission ends".to_owned())
-            }
-            (Verb::Unspecified, _) => (false, "no such command".to_owned()),
-        };
-        if accepted {
-            self.announcer.event(now, EventLevel::EventInfo, "", command.verb().as_str_name(), &reason);
-        }
-        Self::reply(out, command, accepted, &reason);
-    }
-
-    /// Repeats what an agent has not taken in: orders until acknowledged, pause and cancel until obeyed.
-    pub(crate) fn resend(&mut self, now: Timestamp, out: &mut Vec<Output>) {
-        let term = self.config.term;
-        let paused = self.state == MissionState::Paused;
-        let cancelled = self.state == MissionState::Cancelled;
-        for robot in self.robots.iter_mut().filter(|robot| robot.phase == Phase::Ready) {
-            let actions = wanted_actions(robot, paused, cancelled);
-            if !actions.is_empty() {
-                let header_id = robot.next_header();
-                out.push(Output::InstantActions {
-                    robot: robot.id.clone(),
-                    actions: v1::InstantActions {
-                        header_id,
-                        term,
-                        boot_id: robot.boot_id,
-                        actions: actions.into_iter().map(Into::into).collect(),
-                    },
-                });
-            }
-            send_order(now, robot, term, out);
-        }
-    }
-
-    /// Publishes what changed, and once a second how everything stands.
-    pub(crate) fn announce(&mut self, now: Timestamp, out: &mut Vec<Output>) {
-        let ends = self.announcer.take_conclusion();
-        if ends.is_some() || self.announcer.coverage_due(now) {
-            let names: Vec<&str> = self.robots.iter().map(|robot| robot.id.as_str()).collect();
-            if let Some(delta) = self.ledger.take_delta(now, &names) {
-                Self::publish(out, Publication::Coverage(delta));
-            }
-            Self::publish(out, Publication::Reservations(self.reservations(now)));
-        }
-        if ends.is_some() || self.announcer.status_due(now) {
-            self.estimate_remaining();
-            Self::publish(out, Publication::Status(Box::new(self.status(now))));
-        }
-        if let Some(cause) = ends {
-            let result = self.result(now, &cause);
-            self.announcer.result_event(now, &result);
-            self.announcer.drain(out);
-            Self::publish(out, Publication::Result(result));
-        }
-    }
-
-    /// Whether a cell is covered, for tests and the console.
-    pub fn is_covered(&self, cell: Cell) -> bool {
-        self.floor
-            .lattice()
-            .index(cell)
-            .is_some_and(|index| matches!(self.ledger.status(index), Status::Covered(_)))
-    }
-}
-
-fn wanted_actions(robot: &crate::robot::Robot, paused: bool, cancelled: bool) -> Vec<InstantActionType> {
-    let Some(state) = robot.state.as_ref() else { return Vec::new() };
-    let mut actions = Vec::new();
-    if paused != state.paused {
-        actions.push(if paused { InstantActionType::StartPause } else { InstantActionType::StopPause });
-    }
-    if cancelled && state.order_id != 0 && state.order_id == robot.route.order_id() {
-        actions.push(InstantActionType::CancelOrder);
-    }
-    if robot.factsheet.is_none() {
-        actions.push(InstantActionType::FactsheetRequest);
-    }
-    actions
-}
-
-fn send_order(now: Timestamp, robot: &mut crate::robot::Robot, term: u64, out: &mut Vec<Output>) {
-    const SEND_AGAIN: Duration = Duration::from_millis(300);
-    if robot.route.order_id() == 0 {
-        return;
-    }
-    if robot.route.wants_window() {
-        robot.route.open_window();
-        robot.order_sent = Timestamp::ZERO;
-    }
-    let again = robot.order_sent == Timestamp::ZERO || now.since(robot.order_sent) >= SEND_AGAIN;
-    if robot.has_acknowledged() || !again {
-        return;
-    }
-    robot.order_sent = now;
-    let header_id = robot.next_header();
-    let order = robot.route.to_order(header_id, term, robot.boot_id);
-    out.push(Output::Order { robot: robot.id.clone(), order });
 }

@@ -14,12 +14,16 @@ mod ending;
 mod energy;
 mod input;
 mod ledger;
+mod operator;
 mod output;
 mod presence;
 pub mod recorder;
 mod replan;
+mod result;
 mod robot;
+
 mod route;
+mod sending;
 #[cfg(test)]
 mod tests;
 mod traffic;

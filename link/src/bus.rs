@@ -35,6 +35,31 @@ impl std::fmt::Display for BusError {
 
 impl std::error::Error for BusError {}
 
+/// Removes what processes that were killed left of a run in shared memory. To be called when all of them have ended.
+pub fn remove_left_behind(prefix: &str) {
+    let ours = format!("{prefix}_");
+    for folder in ["/dev/shm", MEMORY_ROOT] {
+        remove_files(std::path::Path::new(folder), &ours);
+    }
+    for folder in ["nodes", "services"] {
+        remove_files(&std::path::Path::new(MEMORY_ROOT).join(folder), &ours);
+    }
+}
+
+fn remove_files(folder: &std::path::Path, ours: &str) {
+    let Ok(entries) = std::fs::read_dir(folder) else { return };
+    for entry in entries.flatten() {
+        if !entry.file_name().to_string_lossy().starts_with(ours) {
+            continue;
+        }
+        let path = entry.path();
+        let gone = if path.is_dir() { std::fs::remove_dir_all(&path) } else { std::fs::remove_file(&path) };
+        if let Err(error) = gone {
+            tracing::debug!(path = %path.display(), %error, "a file of the bus stays behind");
+        }
+    }
+}
+
 fn failed(what: &str) -> impl Fn(String) -> BusError + '_ {
     move |reason| BusError(format!("{what}: {reason}"))
 }

@@ -16,6 +16,6 @@ mod bus;
 mod clock;
 mod session;
 
-pub use bus::{AgentEnd, BodyEnd, Bus, BusError};
+pub use bus::{AgentEnd, BodyEnd, Bus, BusError, remove_left_behind};
 pub use clock::Clock;
 pub use session::{Endpoint, Urgency, bound_port, get, open_client, open_router, put};

@@ -132,7 +132,7 @@ impl Fleet {
             std::thread::spawn(move || stdout.map(|stream| BufReader::new(stream).lines().count()));
             std::thread::spawn(move || stderr.map(|stream| BufReader::new(stream).lines().count()));
         }
-        Processes { children, locator, events }
+        Processes { children, locator, events, base_prefix: self.name.clone() }
     }
 }
 
@@ -158,6 +158,7 @@ pub struct Processes {
     children: Vec<Child>,
     pub locator: String,
     events: Arc<Mutex<String>>,
+    base_prefix: String,
 }
 
 impl Processes {
@@ -200,6 +201,7 @@ impl Drop for Processes {
             let _ = child.kill();
             let _ = child.wait();
         }
+        link::remove_left_behind(&self.base_prefix);
     }
 }
 
