@@ -1,6 +1,5 @@
 //! `oxplow plan`: a plan for a scenario or a map, and its figures; nothing drives.
 
-mod lower_bound;
 mod picture;
 mod report;
 mod task;

@@ -96,6 +96,8 @@ impl PlanRequest {
             motion: self.motion,
             mode: self.mode,
             stations: self.stations.clone(),
+            weights: None,
+            coverage_min: 0.99,
             incumbent: self.incumbent.clone(),
             orphans: self.orphans.clone(),
         };

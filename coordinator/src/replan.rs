@@ -254,6 +254,7 @@ impl Coordinator {
         let standing = self.robots[index].state.as_ref().and_then(|state| state.pose.as_ref());
         Start {
             cell: self.start_cell(index).expect("only robots with a start cell take part"),
+            point: None,
             heading_rad: heading.or_else(|| standing.map(|pose| pose.theta_rad)),
             available_in_s: motion.path_s(&base, None),
             range_m: None,

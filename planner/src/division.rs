@@ -304,12 +304,11 @@ fn route(
     let there = drive(instance, robot, &forwards, finder)?;
     let back = drive(instance, robot, &backwards, finder)?;
     let heading = instance.starts[robot].heading_rad;
-    let cheaper =
-        if instance.motion.path_s(&back.points, heading) < instance.motion.path_s(&there.points, heading) {
-            back
-        } else {
-            there
-        };
+    let cheaper = if instance.path_s(&back.points, heading) < instance.path_s(&there.points, heading) {
+        back
+    } else {
+        there
+    };
     Ok(cheaper)
 }
 

@@ -1,5 +1,6 @@
 //! What is to be covered, by whom, from where.
 
+use crate::EdgeWeights;
 use terrain::{Cell, Floor, MotionModel, Point};
 use thiserror::Error;
 
@@ -17,6 +18,8 @@ pub enum Mode {
 pub struct Start {
     /// The drivable cell its route begins in.
     pub cell: Cell,
+    /// Where in that cell it stands, if not at the centre: its body must be able to drive straight to the centre.
+    pub point: Option<Point>,
     /// Heading, radians; `None` when the first turn is free.
     pub heading_rad: Option<f64>,
     /// Seconds until it can begin (still driving what was released before, charging, …).
@@ -28,7 +31,7 @@ pub struct Start {
 impl Start {
     /// A robot at rest in a cell, ready now, with no limit.
     pub const fn at(cell: Cell) -> Self {
-        Self { cell, heading_rad: None, available_in_s: 0.0, range_m: None }
+        Self { cell, point: None, heading_rad: None, available_in_s: 0.0, range_m: None }
     }
 }
 
@@ -50,6 +53,11 @@ pub struct Instance<'a> {
     pub mode: Mode,
     /// Chargers, as cells.
     pub stations: Vec<Cell>,
+    /// Ground that takes longer; `None` when all moves take the same time.
+    pub weights: Option<EdgeWeights>,
+    /// Share of the area to be swept that a plan must sweep when it leaves the lattice, in [0, 1]. Plans along the
+    /// lattice must pass every cell.
+    pub coverage_min: f64,
     /// Per robot, what it is driving already: the cells of its route from its start on. Empty when nothing is under
     /// way. A planner's answer is compared with a repair of these.
     pub incumbent: Vec<Vec<Cell>>,
@@ -87,6 +95,37 @@ pub enum InstanceError {
         /// The lattice's.
         expected: usize,
     },
+    /// More robots than can stand on the floor.
+    #[error("robot {robot} is one too many: there are only {cells} cells in which a robot can stand")]
+    TooManyRobots {
+        /// Number of the first robot too many.
+        robot: usize,
+        /// Cells to stand in.
+        cells: usize,
+    },
+    /// A tool without a width.
+    #[error("the tool is {0} m wide: expected a finite width above 0")]
+    ToolWidth(f64),
+    /// A weight that is no positive number.
+    #[error("the weight of the move from cell {from} to {to} is {value}: expected a finite number above 0")]
+    Weight {
+        /// One end of the move.
+        from: Cell,
+        /// The other.
+        to: Cell,
+        /// What was given.
+        value: f64,
+    },
+    /// A robot does not stand in its cell.
+    #[error("robot {robot} stands at {point}, which is not in its cell {cell}")]
+    StartElsewhere {
+        /// Number of the robot.
+        robot: usize,
+        /// Its cell.
+        cell: Cell,
+        /// Its place.
+        point: Point,
+    },
     /// A speed or acceleration that is no positive number.
     #[error("`{0}` of the motion model is not a number above 0")]
     Motion(&'static str),
@@ -104,6 +143,8 @@ impl<'a> Instance<'a> {
             motion,
             mode,
             stations: Vec::new(),
+            weights: None,
+            coverage_min: 0.99,
             incumbent: Vec::new(),
             orphans: Vec::new(),
         };
@@ -186,6 +227,33 @@ impl<'a> Instance<'a> {
         reached
     }
 
+    /// Time of a move between neighbouring cells at full speed, seconds.
+    pub fn move_s(&self, from: Cell, to: Cell) -> f64 {
+        let lattice = self.floor.lattice();
+        let factor = self.weights.as_ref().map_or(1.0, |weights| weights.factor(lattice, from, to));
+        factor * lattice.cell_m / self.motion.speed_m_per_s
+    }
+
+    /// Time to drive a line of points from standstill to standstill, seconds: that of the motion model, and what
+    /// weights add to it. Weights count for moves from cell centre to cell centre. `heading_rad` as in
+    /// [`MotionModel::path_s`].
+    pub fn path_s(&self, points: &[Point], heading_rad: Option<f64>) -> f64 {
+        let plain_s = self.motion.path_s(points, heading_rad);
+        let Some(weights) = &self.weights else { return plain_s };
+        let lattice = self.floor.lattice();
+        let added: f64 = points
+            .windows(2)
+            .filter_map(|pair| Some((lattice.cell_at(pair[0])?, lattice.cell_at(pair[1])?)))
+            .map(|(from, to)| weights.factor(lattice, from, to) - 1.0)
+            .sum();
+        plain_s + added * lattice.cell_m / self.motion.speed_m_per_s
+    }
+
+    /// Where a robot stands.
+    pub fn place(&self, start: &Start) -> Point {
+        start.point.unwrap_or_else(|| self.center(start.cell))
+    }
+
     /// Centre of a cell, metres.
     pub fn center(&self, cell: Cell) -> Point {
         self.floor.lattice().center(cell)
@@ -204,14 +272,14 @@ impl<'a> Instance<'a> {
             }
         }
         check_motion(&self.motion)?;
-        if self.starts.is_empty() {
-            return Err(InstanceError::NoRobots);
+        if let Some(weights) = &self.weights {
+            weights.check(self.floor)?;
         }
-        for (robot, start) in self.starts.iter().enumerate() {
-            if !self.floor.cell_is_drivable(start.cell) {
-                return Err(InstanceError::StartBlocked { robot, cell: start.cell });
-            }
+        let tool_width_m = self.floor.tool_width_m();
+        if !(tool_width_m.is_finite() && tool_width_m > 0.0) {
+            return Err(InstanceError::ToolWidth(tool_width_m));
         }
+        self.check_starts()?;
         if !self.visit.contains(&true) {
             return Err(InstanceError::NothingToCover);
         }
@@ -220,22 +288,41 @@ impl<'a> Instance<'a> {
             None => Ok(()),
         }
     }
+
+    fn check_starts(&self) -> Result<(), InstanceError> {
+        if self.starts.is_empty() {
+            return Err(InstanceError::NoRobots);
+        }
+        for (robot, start) in self.starts.iter().enumerate() {
+            let cell = start.cell;
+            if !self.floor.cell_is_drivable(cell) {
+                return Err(InstanceError::StartBlocked { robot, cell });
+            }
+            if let Some(point) = start.point.filter(|&p| self.floor.lattice().cell_at(p) != Some(cell)) {
+                return Err(InstanceError::StartElsewhere { robot, cell, point });
+            }
+        }
+        let cells = (0..self.floor.lattice().len()).filter(|&index| self.floor.is_drivable(index)).count();
+        if self.starts.len() > cells {
+            return Err(InstanceError::TooManyRobots { robot: cells, cells });
+        }
+        Ok(())
+    }
 }
 
 fn check_motion(motion: &MotionModel) -> Result<(), InstanceError> {
-    let positive = |value: f64| value > 0.0 && value.is_finite();
-    if !positive(motion.speed_m_per_s) {
+    if !(motion.speed_m_per_s > 0.0 && motion.speed_m_per_s.is_finite()) {
         return Err(InstanceError::Motion("speed_m_per_s"));
     }
-    if !positive(motion.acceleration_m_per_s2) {
-        return Err(InstanceError::Motion("acceleration_m_per_s2"));
-    }
-    if !positive(motion.angular_speed_rad_per_s) {
-        return Err(InstanceError::Motion("angular_speed_rad_per_s"));
-    }
-    // Infinite is allowed: turns that start and stop at once.
-    if motion.angular_acceleration_rad_per_s2.is_nan() || motion.angular_acceleration_rad_per_s2 <= 0.0 {
-        return Err(InstanceError::Motion("angular_acceleration_rad_per_s2"));
+    // The others may be infinite: ramps and turns that take no time, as in some of the papers.
+    for (name, value) in [
+        ("acceleration_m_per_s2", motion.acceleration_m_per_s2),
+        ("angular_speed_rad_per_s", motion.angular_speed_rad_per_s),
+        ("angular_acceleration_rad_per_s2", motion.angular_acceleration_rad_per_s2),
+    ] {
+        if value.is_nan() || value <= 0.0 {
+            return Err(InstanceError::Motion(name));
+        }
     }
     Ok(())
 }

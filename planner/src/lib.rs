@@ -9,7 +9,10 @@ mod bricks;
 mod circumnavigation;
 mod disjoint_sets;
 mod division;
+mod edge_weights;
 mod instance;
+mod lower_bound;
+mod matching;
 mod plan;
 pub mod planners;
 mod repair;
@@ -17,7 +20,9 @@ mod shortest_way;
 mod spanning_graph;
 mod verify;
 
+pub use edge_weights::EdgeWeights;
 pub use instance::{Instance, InstanceError, Mode, Start};
+pub use lower_bound::lower_bound_s;
 pub use plan::{Plan, Route, VerifiedPlan};
 pub use planners::{PLANNERS, Planner};
 pub use verify::{Figures, VerifyError, verify};
@@ -96,9 +101,29 @@ pub fn plan(instance: &Instance<'_>, options: &PlanOptions) -> Result<VerifiedPl
     Ok(if better { repaired } else { fresh })
 }
 
-fn checked(instance: &Instance<'_>, plan: Plan, planner: &'static str) -> Result<VerifiedPlan, PlanError> {
+fn checked(
+    instance: &Instance<'_>,
+    mut plan: Plan,
+    planner: &'static str,
+) -> Result<VerifiedPlan, PlanError> {
+    begin_where_robots_stand(instance, &mut plan);
     let figures = verify(instance, &plan).map_err(|source| PlanError::Refuted { planner, source })?;
     Ok(VerifiedPlan::new(plan, figures, planner))
+}
+
+/// Planners on the lattice begin at cell centres; a robot that stands beside one drives there first, and back in the
+/// end.
+fn begin_where_robots_stand(instance: &Instance<'_>, plan: &mut Plan) {
+    for (route, start) in plan.routes.iter_mut().zip(&instance.starts) {
+        let place = instance.place(start);
+        let apart = |point: Option<&terrain::Point>| point.is_some_and(|point| (point - place).norm() > 1e-6);
+        if apart(route.points.first()) {
+            route.points.insert(0, place);
+        }
+        if instance.mode == Mode::CoverAndReturn && apart(route.points.last()) {
+            route.points.push(place);
+        }
+    }
 }
 
 #[cfg(test)]
@@ -129,23 +154,30 @@ mod tests {
             starts in prop::collection::vec(0..(columns * rows) as usize, robots),
             comes_back in any::<bool>(),
             repairs in any::<bool>(),
+            weighted in any::<bool>(),
             columns in Just(columns),
             rows in Just(rows),
-        ) -> (Floor, Vec<bool>, Vec<bool>, Vec<usize>, [bool; 2]) {
-            (floor(columns, rows, &free), wanted, blocked, starts, [comes_back, repairs])
+        ) -> (Floor, Vec<bool>, Vec<bool>, Vec<usize>, [bool; 3]) {
+            (floor(columns, rows, &free), wanted, blocked, starts, [comes_back, repairs, weighted])
         }
     }
 
+    /// `RANDOM_INSTANCES=10000 cargo test -p planner leaves_no_gap` for a long run.
+    fn random_instances() -> u32 {
+        std::env::var("RANDOM_INSTANCES").ok().and_then(|count| count.parse().ok()).unwrap_or(400)
+    }
+
     proptest! {
-        #![proptest_config(ProptestConfig::with_cases(400))]
+        #![proptest_config(ProptestConfig::with_cases(random_instances()))]
         #[test]
         fn every_planner_leaves_no_gap(
-            (floor, wanted, blocked, starts, [comes_back, repairs]) in mission()
+            (floor, wanted, blocked, starts, [comes_back, repairs, weighted]) in mission()
         ) {
             let drivable: Vec<usize> = (0..floor.lattice().len()).filter(|&i| floor.is_drivable(i)).collect();
             prop_assume!(!drivable.is_empty());
             let starts: Vec<Start> = starts
                 .iter()
+                .take(drivable.len())
                 .map(|start| Start::at(floor.lattice().cell(drivable[start % drivable.len()])))
                 .collect();
             let mode = if comes_back { Mode::CoverAndReturn } else { Mode::Cover };
@@ -162,10 +194,18 @@ mod tests {
                 instance.orphans = vec![std::mem::take(&mut parts[0])];
                 instance.incumbent = parts;
             }
+            if weighted {
+                let factor = |index: usize| 0.5 + (index * 7 % 11) as f64 / 4.0;
+                let right: Vec<f64> = (0..open.len()).map(factor).collect();
+                instance.weights = Some(EdgeWeights { up: right.iter().rev().copied().collect(), right });
+            }
+            let bound_s = lower_bound_s(&instance);
             for planner in PLANNERS {
                 let options = PlanOptions { planner: planner.name.to_owned(), ..PlanOptions::default() };
                 let planned = plan(&instance, &options);
                 prop_assert!(planned.is_ok(), "{}: {:?}", planner.name, planned);
+                let makespan_s = planned.as_ref().map_or(0.0, |plan| plan.figures().makespan_s);
+                prop_assert!(makespan_s >= bound_s - 1e-6, "{}: {makespan_s} < {bound_s}", planner.name);
                 prop_assert_eq!(&planned, &plan(&instance, &options), "{} is deterministic", planner.name);
             }
         }

@@ -211,7 +211,7 @@ impl<'a> Workshop<'a> {
             .map(|robot| {
                 let route = self.route(robot)?;
                 let start = &self.instance.starts[robot];
-                Ok(start.available_in_s + self.instance.motion.path_s(&route.points, start.heading_rad))
+                Ok(start.available_in_s + self.instance.path_s(&route.points, start.heading_rad))
             })
             .collect()
     }

@@ -1,8 +1,15 @@
 //! Checks any plan, knowing nothing of how it was made: complete, connected, on free ground.
+//!
+//! Routes are lines of points. One that goes from cell centre to cell centre by the moves of the floor passes cells,
+//! and every cell to visit must be passed. Any other line must be free for the body's disc all along and keep out of
+//! blocked cells; it is judged by what the tool's disc sweeps.
 
 use crate::{Instance, Mode, Plan, Route};
-use terrain::{Cell, Direction, Segment, SweptRaster, angle_between};
+use terrain::{Cell, Direction, Point, Segment, SweptRaster, angle_between};
 use thiserror::Error;
+
+/// Places nearer than this are the same, metres.
+const TOLERANCE_M: f64 = 1e-6;
 
 /// What a plan costs, measured from its points alone.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,7 +24,8 @@ pub struct Figures {
     pub turns: Vec<u32>,
     /// Area swept at least once, as a share of the area to be swept, by footprint.
     pub coverage_ratio: f64,
-    /// Area swept more than once, as a share of the area swept: cells entered again ÷ cells entered.
+    /// Area swept more than once, as a share of the area swept: cells entered again ÷ cells entered. For plans that
+    /// leave the lattice: way × width of the tool beyond the area swept, as a share of it.
     pub overlap_ratio: f64,
 }
 
@@ -33,7 +41,7 @@ pub enum VerifyError {
         expected: usize,
     },
     /// A route does not begin where its robot stands.
-    #[error("the route of robot {robot} does not begin in its start cell {start}")]
+    #[error("the route of robot {robot} does not begin where it stands, in cell {start}")]
     WrongStart {
         /// Number of the robot.
         robot: usize,
@@ -43,6 +51,18 @@ pub enum VerifyError {
     /// A cell to visit that no route passes.
     #[error("cell {0} is left out")]
     Gap(Cell),
+    /// A plan that leaves the lattice sweeps too little.
+    #[error(
+        "{swept} of the area to be swept is swept, at least {least} was asked for; cell {cell} is not swept whole"
+    )]
+    NotSwept {
+        /// Share swept.
+        swept: f64,
+        /// Share asked for.
+        least: f64,
+        /// A cell that lacks some.
+        cell: Cell,
+    },
     /// A line that leaves the ground on which the body fits, or enters a blocked cell.
     #[error("robot {robot} would drive off free ground between point {from} and {to} of its route")]
     OffGround {
@@ -79,54 +99,84 @@ pub fn verify(instance: &Instance<'_>, plan: &Plan) -> Result<Figures, VerifyErr
     let lattice = *instance.floor.lattice();
     let mut entered = vec![0_u32; lattice.len()];
     let mut raster = SweptRaster::new(lattice);
+    let mut along_lattice = true;
     for (robot, route) in plan.routes.iter().enumerate() {
-        check_route(instance, robot, route, &mut entered)?;
+        along_lattice &= check_route(instance, robot, route, &mut entered)?;
         sweep(instance, route, &mut raster);
     }
-    if let Some(index) = (0..lattice.len()).find(|&index| instance.visit[index] && entered[index] == 0) {
-        return Err(VerifyError::Gap(lattice.cell(index)));
+    let figures = measure(instance, plan, &entered, &raster, along_lattice);
+    let missing = |index: &usize| {
+        let (index, required) = (*index, instance.floor.required(*index));
+        instance.visit[index]
+            && if along_lattice { entered[index] == 0 } else { required & !raster.samples(index) != 0 }
+    };
+    match (0..lattice.len()).find(missing).map(|index| lattice.cell(index)) {
+        Some(cell) if along_lattice => Err(VerifyError::Gap(cell)),
+        Some(cell) if figures.coverage_ratio < instance.coverage_min => {
+            Err(VerifyError::NotSwept { swept: figures.coverage_ratio, least: instance.coverage_min, cell })
+        }
+        _ => Ok(figures),
     }
-    Ok(measure(instance, plan, &entered, &raster))
 }
 
+/// Checks one route and counts the cells it enters; whether it goes along the lattice all the way.
 fn check_route(
     instance: &Instance<'_>,
     robot: usize,
     route: &Route,
     entered: &mut [u32],
-) -> Result<(), VerifyError> {
-    let start = instance.starts[robot].cell;
-    let Some(&first) = route.points.first() else { return Ok(()) };
+) -> Result<bool, VerifyError> {
+    let start = &instance.starts[robot];
+    let Some(&first) = route.points.first() else { return Ok(true) };
     if let Some(point) = route.points.iter().position(|point| !(point.x.is_finite() && point.y.is_finite())) {
         return Err(VerifyError::NotFinite { robot, point });
     }
-    let lattice = instance.floor.lattice();
-    if (first - lattice.center(start)).norm() > 1e-6 {
-        return Err(VerifyError::WrongStart { robot, start });
+    if (first - instance.place(start)).norm() > TOLERANCE_M {
+        return Err(VerifyError::WrongStart { robot, start: start.cell });
     }
-    let index_of = |cell: Cell| lattice.index(cell);
-    let mut before = start;
-    enter(entered, index_of(start));
-    for (number, &point) in route.points.iter().enumerate().skip(1) {
-        let off_ground = VerifyError::OffGround { robot, from: number - 1, to: number };
-        let cell = lattice.cell_at(point).ok_or_else(|| off_ground.clone())?;
-        let index = index_of(cell).ok_or_else(|| off_ground.clone())?;
-        let open_move = cell == before
-            || Direction::between(before, cell).is_some_and(|way| instance.floor.can_move(before, way));
-        if !open_move || instance.blocked[index] || (point - lattice.center(cell)).norm() > 1e-6 {
-            return Err(off_ground);
+    enter(instance, entered, start.cell);
+    let mut along_lattice = true;
+    for (from, pair) in route.points.windows(2).enumerate() {
+        let off_ground = VerifyError::OffGround { robot, from, to: from + 1 };
+        if let Some(cell) = lattice_move(instance, pair[0], pair[1]) {
+            enter(instance, entered, cell);
+        } else {
+            let way = free_way(instance, Segment::new(pair[0], pair[1])).ok_or(off_ground)?;
+            // To the centre of the start cell and back: where the lattice begins.
+            along_lattice &= way.iter().all(|&cell| cell == start.cell);
+            way.into_iter().skip(1).for_each(|cell| enter(instance, entered, cell));
         }
-        enter(entered, Some(index));
-        before = cell;
     }
-    if instance.mode == Mode::CoverAndReturn && before != start {
+    let back = route.points.last().is_some_and(|&last| (last - first).norm() <= TOLERANCE_M);
+    if instance.mode == Mode::CoverAndReturn && !back {
         return Err(VerifyError::NoReturn(robot));
     }
-    Ok(())
+    Ok(along_lattice)
 }
 
-fn enter(entered: &mut [u32], index: Option<usize>) {
-    if let Some(index) = index {
+/// The cell that a move from the centre of a cell to that of its neighbour, or to itself, ends in.
+fn lattice_move(instance: &Instance<'_>, from: Point, to: Point) -> Option<Cell> {
+    let lattice = instance.floor.lattice();
+    let center = |point: Point| {
+        lattice.cell_at(point).filter(|&cell| (point - lattice.center(cell)).norm() <= TOLERANCE_M)
+    };
+    let (from, to) = (center(from)?, center(to)?);
+    let moves =
+        from == to || Direction::between(from, to).is_some_and(|way| instance.floor.can_move(from, way));
+    (moves && instance.is_open(to)).then_some(to)
+}
+
+/// The cells that a free straight line leads through; `None` when the body does not fit or a cell is blocked.
+fn free_way(instance: &Instance<'_>, segment: Segment) -> Option<Vec<Cell>> {
+    let lattice = instance.floor.lattice();
+    let cells = lattice.cells_along(segment);
+    let ends_are_on_it = lattice.cell_at(segment.from).is_some() && lattice.cell_at(segment.to).is_some();
+    let open = cells.iter().all(|&cell| lattice.index(cell).is_some_and(|index| !instance.blocked[index]));
+    (ends_are_on_it && open && instance.floor.segment_is_free(segment)).then_some(cells)
+}
+
+fn enter(instance: &Instance<'_>, entered: &mut [u32], cell: Cell) {
+    if let Some(index) = instance.floor.lattice().index(cell) {
         entered[index] += 1;
     }
 }
@@ -141,14 +191,20 @@ fn sweep(instance: &Instance<'_>, route: &Route, raster: &mut SweptRaster) {
     }
 }
 
-fn measure(instance: &Instance<'_>, plan: &Plan, entered: &[u32], raster: &SweptRaster) -> Figures {
+fn measure(
+    instance: &Instance<'_>,
+    plan: &Plan,
+    entered: &[u32],
+    raster: &SweptRaster,
+    along_lattice: bool,
+) -> Figures {
     let cost_s: Vec<f64> = plan
         .routes
         .iter()
         .zip(&instance.starts)
         .map(|(route, start)| match route.points.len() {
             0 | 1 => 0.0,
-            _ => start.available_in_s + instance.motion.path_s(&route.points, start.heading_rad),
+            _ => start.available_in_s + instance.path_s(&route.points, start.heading_rad),
         })
         .collect();
     let (mut wanted, mut swept) = (0_u64, 0_u64);
@@ -157,16 +213,29 @@ fn measure(instance: &Instance<'_>, plan: &Plan, entered: &[u32], raster: &Swept
         wanted += u64::from(required.count_ones());
         swept += u64::from((required & raster.samples(index)).count_ones());
     }
-    let entries: u64 = entered.iter().map(|&times| u64::from(times)).sum();
-    let again: u64 = entered.iter().map(|&times| u64::from(times.saturating_sub(1))).sum();
+    let overlap = if along_lattice { entered_again(entered) } else { swept_again(instance, plan, raster) };
     Figures {
         makespan_s: cost_s.iter().copied().fold(0.0, f64::max),
         cost_s,
         length_m: plan.routes.iter().map(length_m).collect(),
         turns: plan.routes.iter().map(turns).collect(),
         coverage_ratio: if wanted == 0 { 1.0 } else { swept as f64 / wanted as f64 },
-        overlap_ratio: if entries == 0 { 0.0 } else { again as f64 / entries as f64 },
+        overlap_ratio: overlap,
     }
+}
+
+fn entered_again(entered: &[u32]) -> f64 {
+    let entries: u64 = entered.iter().map(|&times| u64::from(times)).sum();
+    let again: u64 = entered.iter().map(|&times| u64::from(times.saturating_sub(1))).sum();
+    if entries == 0 { 0.0 } else { again as f64 / entries as f64 }
+}
+
+fn swept_again(instance: &Instance<'_>, plan: &Plan, raster: &SweptRaster) -> f64 {
+    let lattice = instance.floor.lattice();
+    let samples: u64 = (0..lattice.len()).map(|index| u64::from(raster.samples(index).count_ones())).sum();
+    let swept_m2 = SweptRaster::area_m2(lattice, samples);
+    let way_m: f64 = plan.routes.iter().map(length_m).sum();
+    if swept_m2 == 0.0 { 0.0 } else { (way_m * instance.floor.tool_width_m() / swept_m2 - 1.0).max(0.0) }
 }
 
 fn length_m(route: &Route) -> f64 {
@@ -193,7 +262,7 @@ fn turns(route: &Route) -> u32 {
 mod tests {
     use super::*;
     use crate::Start;
-    use terrain::{Floor, Lattice, MotionModel, Point};
+    use terrain::{Floor, GridMap, Lattice, MotionModel};
 
     const MOTION: MotionModel = MotionModel {
         speed_m_per_s: 0.5,
@@ -287,5 +356,35 @@ mod tests {
         assert_eq!(judge(vec![route(&ALL)], comes_back), Err(VerifyError::NoReturn(0)));
         let home = [&ALL[..], &[(0, 0), (0, 1)]].concat();
         assert!(judge(vec![route(&home)], comes_back).is_ok());
+    }
+
+    /// Four metres by one, without inner walls: the body (radius 0.2 m) has 0.6 m to either side of the middle.
+    fn judge_line(points: &[(f64, f64)], coverage_min: f64) -> Result<Figures, VerifyError> {
+        let map = GridMap::from_drawing("........\n........", 0.5).unwrap();
+        let floor = Floor::new(&map, 0.5, 0.2, 1.1).unwrap();
+        let points: Vec<Point> = points.iter().map(|&(x, y)| Point::new(x, y)).collect();
+        let start = Start { point: Some(points[0]), ..Start::at(Cell::new(0, 0)) };
+        let mut instance = Instance::whole_floor(&floor, vec![start], MOTION, Mode::Cover);
+        instance.coverage_min = coverage_min;
+        instance.blocked[15] = coverage_min < 0.1;
+        verify(&instance, &Plan { routes: vec![Route { points }] })
+    }
+
+    #[test]
+    fn a_line_off_the_lattice_is_judged_by_what_it_sweeps() {
+        let figures = judge_line(&[(0.25, 0.499), (3.75, 0.499)], 0.95).unwrap();
+        assert!(figures.coverage_ratio > 0.95, "{figures:?}");
+        let short = judge_line(&[(0.25, 0.499), (2.0, 0.499)], 0.95);
+        assert!(matches!(short, Err(VerifyError::NotSwept { cell: Cell { x: 4, y: 0 }, .. })), "{short:?}");
+        assert!(judge_line(&[(0.25, 0.499), (2.0, 0.499)], 0.5).is_ok());
+    }
+
+    #[test]
+    fn a_line_off_the_lattice_keeps_the_body_from_walls_and_blocked_cells() {
+        let off_ground = Err(VerifyError::OffGround { robot: 0, from: 0, to: 1 });
+        assert_eq!(judge_line(&[(0.25, 0.21), (3.75, 0.19)], 0.5), off_ground);
+        assert_eq!(judge_line(&[(0.25, 0.21), (4.5, 0.21)], 0.5), off_ground);
+        assert_eq!(judge_line(&[(0.25, 0.21), (3.75, 0.79)], 0.01), off_ground, "cell 15 is blocked");
+        assert!(judge_line(&[(0.25, 0.21), (3.2, 0.79)], 0.01).is_ok());
     }
 }

@@ -1,7 +1,7 @@
 //! A plan as it is printed: the JSON object of `docs/plan-format.md`, and a table for people.
 
-use super::{lower_bound::lower_bound_s, task::Task};
-use planner::{Route, VerifiedPlan};
+use super::task::Task;
+use planner::{Route, VerifiedPlan, lower_bound_s};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt;

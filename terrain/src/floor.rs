@@ -12,6 +12,7 @@ use crate::{
     Cell, Direction, GridMap, Lattice, Point, Segment,
     footprint::{SAMPLES_PER_CELL, sample_point, samples_within},
 };
+use std::sync::Arc;
 use thiserror::Error;
 
 /// The most cells a lattice may have.
@@ -69,6 +70,7 @@ pub struct Floor {
     moves: Vec<u8>,
     required: Vec<u64>,
     classes: Vec<CellClass>,
+    map: Option<Arc<GridMap>>,
 }
 
 impl Floor {
@@ -98,7 +100,8 @@ impl Floor {
         }
         let moves = open_moves(map, &lattice, &drivable, body_radius_m);
         let (required, classes) = required_samples(map, &lattice, &drivable, tool_width_m / 2.0);
-        Ok(Self { lattice, body_radius_m, tool_width_m, drivable, moves, required, classes })
+        let map = Some(Arc::new(map.clone()));
+        Ok(Self { lattice, body_radius_m, tool_width_m, drivable, moves, required, classes, map })
     }
 
     /// A floor straight from cells, where each free cell can be driven and is required whole: the grid of the
@@ -118,7 +121,8 @@ impl Floor {
         let required = free.iter().map(|&free| if free { u64::MAX } else { 0 }).collect();
         let classes =
             free.iter().map(|&free| if free { CellClass::Coverable } else { CellClass::Obstacle }).collect();
-        Self { lattice, body_radius_m, tool_width_m, drivable: free.to_vec(), moves, required, classes }
+        let drivable = free.to_vec();
+        Self { lattice, body_radius_m, tool_width_m, drivable, moves, required, classes, map: None }
     }
 
     /// The lattice.
@@ -134,6 +138,28 @@ impl Floor {
     /// Diameter of the tool's disc, metres.
     pub fn tool_width_m(&self) -> f64 {
         self.tool_width_m
+    }
+
+    /// The map it was laid over; `None` when it was made straight from cells.
+    pub fn map(&self) -> Option<&GridMap> {
+        self.map.as_deref()
+    }
+
+    /// Whether the body can drive straight along a segment: with a map, free for the body's disc all along; straight
+    /// from cells, from each cell to the next one by open moves.
+    pub fn segment_is_free(&self, segment: Segment) -> bool {
+        // A tangent wall is no obstacle: the same slack as of rounding.
+        let map_is_free =
+            self.map().is_none_or(|map| map.capsule_is_free(segment, self.body_radius_m - 1e-6));
+        map_is_free && (self.map.is_some() || self.cells_are_joined(segment))
+    }
+
+    fn cells_are_joined(&self, segment: Segment) -> bool {
+        let cells = self.lattice.cells_along(segment);
+        cells.iter().all(|&cell| self.cell_is_drivable(cell))
+            && cells.windows(2).all(|pair| {
+                Direction::between(pair[0], pair[1]).is_some_and(|way| self.can_move(pair[0], way))
+            })
     }
 
     /// Whether the body can stand at the centre of the cell with this number.

@@ -158,7 +158,13 @@ impl GridMap {
 
     /// Whether everything nearer than `radius_m` to the segment is free. Exact.
     pub fn capsule_is_free(&self, segment: Segment, radius_m: f64) -> bool {
-        self.blocked_squares_near(segment, radius_m).next().is_none()
+        // The box around a long slanting segment is large: look along pieces of it.
+        let pieces = (segment.length() / (16.0 * self.resolution_m)).ceil().clamp(1.0, 1e6);
+        let at = |piece: f64| segment.from + (segment.to - segment.from) * (piece / pieces);
+        (0..pieces as u32).map(f64::from).all(|piece| {
+            let part = Segment::new(at(piece), at(piece + 1.0));
+            self.blocked_squares_near(part, radius_m).next().is_none()
+        })
     }
 
     /// The blocked squares (column, row; also outside the map) nearer than `radius_m` to the segment.
