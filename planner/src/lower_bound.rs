@@ -22,7 +22,7 @@ use crate::{
 };
 use std::{
     cmp::Reverse,
-    collections::{BTreeMap, BinaryHeap},
+    collections::{BTreeMap, BTreeSet, BinaryHeap},
     f64::consts::FRAC_PI_2,
 };
 use terrain::{Cell, Direction};
@@ -68,19 +68,22 @@ impl Piece {
     /// A robot that never moves covers its start for nothing: it takes some work off, and itself. Where there is
     /// enough work, that makes the others later; else starts are left out.
     fn shared_s(&self, instance: &Instance<'_>) -> f64 {
-        let starts: Vec<usize> = self
+        let starts: BTreeSet<usize> = self
             .robots
             .iter()
             .filter_map(|&robot| instance.floor.lattice().index(instance.starts[robot].cell))
             .collect();
+        let others = self.cells.iter().copied().filter(|index| !starts.contains(index)).collect();
+        let rest = Self { cells: others, robots: self.robots.clone() };
+        if rest.cells.is_empty() {
+            return 0.0;
+        }
         let work_s = self.moves_s(instance) + self.turns_s(instance);
         let cheapest_s = starts.iter().map(|&index| cheapest_move_s(instance, index));
         let saved_s = 2.0 * cheapest_s.filter(|s| s.is_finite()).fold(0.0, f64::max) + ramps_s(instance);
         if work_s >= self.robots.len() as f64 * saved_s {
             return self.done_s(instance, work_s);
         }
-        let others = self.cells.iter().copied().filter(|index| !starts.contains(index)).collect();
-        let rest = Self { cells: others, robots: self.robots.clone() };
         self.done_s(instance, rest.moves_s(instance) + rest.turns_s(instance))
     }
 
