@@ -2,6 +2,7 @@
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "a command line prints")]
 
 mod agent;
+mod bench;
 mod coordinator;
 mod demo;
 mod fault;
@@ -62,6 +63,7 @@ enum Command {
     /// Ends the mission
     Cancel(fleet::FleetArgs),
     Plan(plan::PlanArgs),
+    Bench(bench::BenchArgs),
     Verify(verify::VerifyArgs),
 }
 
@@ -81,6 +83,7 @@ fn main() -> ExitCode {
         Command::Resume(args) => operator::command(args, protocol::v1::Verb::Resume),
         Command::Cancel(args) => operator::command(args, protocol::v1::Verb::Cancel),
         Command::Plan(args) => plan::run(args),
+        Command::Bench(args) => bench::run(args),
         Command::Verify(args) => verify::run(args),
     };
     outcome.unwrap_or_else(|error| {

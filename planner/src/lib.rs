@@ -18,6 +18,7 @@ pub mod planners;
 mod repair;
 mod shortest_way;
 mod spanning_graph;
+mod spanning_trees;
 mod verify;
 
 pub use edge_weights::EdgeWeights;
@@ -25,6 +26,7 @@ pub use instance::{Instance, InstanceError, Mode, Start};
 pub use lower_bound::lower_bound_s;
 pub use plan::{Plan, Route, VerifiedPlan};
 pub use planners::{PLANNERS, Planner};
+pub use spanning_trees::{TREES, Tree, tree_turns};
 pub use verify::{Figures, VerifyError, verify};
 
 use terrain::Cell;

@@ -15,9 +15,9 @@
 use crate::{
     Instance, Plan, PlanError, Route,
     circumnavigation::loops,
-    planners::tmstc_star::turn_minimising_forest,
     shortest_way::{WayFinder, moves_from},
     spanning_graph::SpanningGraph,
+    spanning_trees::turn_minimising,
 };
 use std::collections::VecDeque;
 use terrain::Cell;
@@ -120,7 +120,7 @@ impl<'a> Workshop<'a> {
         let rest = Instance { visit, ..self.instance.clone() };
         let graph = SpanningGraph::new(&rest);
         let mut pieces = Vec::new();
-        for cells in loops(&graph, &turn_minimising_forest(&graph)) {
+        for cells in loops(&graph, &turn_minimising(&graph)) {
             let mut piece: Vec<Cell> = Vec::new();
             for cell in cells {
                 let jumps = piece.last().is_some_and(|&last| {

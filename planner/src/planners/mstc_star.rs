@@ -13,35 +13,16 @@
 //! knowledge of turns only; it is no copy of the authors' cutter.
 
 use crate::{
-    Instance, Plan, PlanError, PlanOptions,
-    circumnavigation::{Forest, loops},
-    disjoint_sets::DisjointSets,
-    division::divide,
-    spanning_graph::{Node, SpanningGraph},
+    Instance, Plan, PlanError, PlanOptions, circumnavigation::loops, division::divide,
+    spanning_graph::SpanningGraph, spanning_trees::kruskal,
 };
-use terrain::{Direction, MotionModel};
+use terrain::MotionModel;
 
 /// Plans.
 pub(super) fn plan(instance: &Instance<'_>, _options: &PlanOptions) -> Result<Plan, PlanError> {
     let graph = SpanningGraph::new(instance);
-    let forest = kruskal_forest(&graph);
+    let forest = kruskal(&graph);
     divide(&blind_to_turns(instance), loops(&graph, &forest))
-}
-
-/// Kruskal's forest; edges in the order of their first node, east before north.
-pub(super) fn kruskal_forest(graph: &SpanningGraph) -> Forest {
-    let mut forest = Forest::new(graph);
-    let mut sets = DisjointSets::new(graph.len());
-    for node in 0..graph.len() as Node {
-        for direction in [Direction::East, Direction::North] {
-            let Some(other) = graph.neighbour(node, direction) else { continue };
-            if sets.find(node) != sets.find(other) {
-                forest.join(node, direction, other);
-                sets.unite(node, other);
-            }
-        }
-    }
-    forest
 }
 
 /// The same instance for robots that turn, speed up and brake in no time: cost is length.

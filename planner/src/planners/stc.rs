@@ -15,9 +15,9 @@ use crate::{
     Instance, Plan, PlanError, PlanOptions,
     circumnavigation::{Forest, loops},
     division::divide,
-    spanning_graph::{Node, SpanningGraph},
+    spanning_graph::SpanningGraph,
+    spanning_trees::{ALONG_COLUMNS, ALONG_ROWS, depth_first},
 };
-use terrain::Direction;
 
 /// Plans.
 pub(super) fn plan(instance: &Instance<'_>, _options: &PlanOptions) -> Result<Plan, PlanError> {
@@ -27,33 +27,8 @@ pub(super) fn plan(instance: &Instance<'_>, _options: &PlanOptions) -> Result<Pl
 }
 
 /// The forest grown along rows or along columns, whichever has fewer turns.
-pub(super) fn depth_first_forest(graph: &SpanningGraph) -> Forest {
-    let along_rows =
-        depth_first(graph, [Direction::East, Direction::West, Direction::North, Direction::South]);
-    let along_columns =
-        depth_first(graph, [Direction::North, Direction::South, Direction::East, Direction::West]);
+fn depth_first_forest(graph: &SpanningGraph) -> Forest {
+    let along_rows = depth_first(graph, ALONG_ROWS);
+    let along_columns = depth_first(graph, ALONG_COLUMNS);
     if along_columns.turns() < along_rows.turns() { along_columns } else { along_rows }
-}
-
-/// A forest grown depth first, trying directions in a fixed order.
-fn depth_first(graph: &SpanningGraph, order: [Direction; 4]) -> Forest {
-    let mut forest = Forest::new(graph);
-    let mut reached = vec![false; graph.len()];
-    for root in 0..graph.len() as Node {
-        if reached[root as usize] {
-            continue;
-        }
-        reached[root as usize] = true;
-        let mut stack = vec![(root, 0)];
-        while let Some((node, tried)) = stack.pop() {
-            let Some(&direction) = order.get(tried) else { continue };
-            stack.push((node, tried + 1));
-            if let Some(next) = graph.neighbour(node, direction).filter(|&next| !reached[next as usize]) {
-                reached[next as usize] = true;
-                forest.join(node, direction, next);
-                stack.push((next, 0));
-            }
-        }
-    }
-    forest
 }

@@ -1,0 +1,16 @@
+//! User CPU time.
+
+use nix::sys::resource::{UsageWho, getrusage};
+
+/// User CPU seconds that `work` takes in this process, and its result.
+pub(crate) fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
+    let before_s = user_s();
+    let result = work();
+    (result, user_s() - before_s)
+}
+
+fn user_s() -> f64 {
+    let usage = getrusage(UsageWho::RUSAGE_SELF).expect("a process may ask for its own usage");
+    let time = usage.user_time();
+    time.tv_sec() as f64 + time.tv_usec() as f64 / 1e6
+}

@@ -1,0 +1,94 @@
+//! The planners on the instances of the papers, side by side with the printed figures.
+//!
+//! ```text
+//!   instances (../shared/instances) ──▶ Task ──▶ planner::plan ──▶ Table ──▶ CSV, Markdown
+//!                                                lower bound, user CPU
+//! ```
+//!
+//! One file per benchmark. Each makes [`Table`]s; `oxplow bench` prints and writes them. Times are user CPU seconds of
+//! this process, never wall time: planners are single-threaded.
+
+mod cpu;
+mod grid;
+mod grid_instances;
+mod tables;
+mod task;
+mod tmstc;
+mod tmstc_instances;
+
+pub use tables::Table;
+
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// What to run.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// Folder of the instances: `tmstc/`, `grid/`, … lie in it.
+    pub instances: PathBuf,
+    /// A few small instances only: does it work at all?
+    pub quick: bool,
+}
+
+/// Called with one line for each thing that is about to be done.
+pub type Progress<'a> = &'a mut dyn FnMut(&str);
+
+/// One row of the table of benchmarks.
+#[derive(Debug, Clone, Copy)]
+pub struct Benchmark {
+    /// Name on the command line.
+    pub name: &'static str,
+    /// What it reproduces.
+    pub about: &'static str,
+    /// Runs it.
+    pub run: fn(&Options, Progress<'_>) -> Result<Vec<Table>, BenchmarkError>,
+}
+
+/// Every benchmark.
+pub const BENCHMARKS: &[Benchmark] = &[
+    Benchmark { name: "tmstc", about: "Tables II and III of Lu and others 2023 (TMSTC*)", run: tmstc::run },
+    Benchmark {
+        name: "grid",
+        about: "the grid instances of LS-MCPP and MIP-MCPP under their costs",
+        run: grid::run,
+    },
+];
+
+/// Why a benchmark cannot be run.
+#[derive(Debug, Error)]
+pub enum BenchmarkError {
+    /// A file cannot be read.
+    #[error("{path}: {cause}; give the folder of the instances with --instances")]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        cause: std::io::Error,
+    },
+    /// A file says something else than expected.
+    #[error("{path}: {what}")]
+    Content {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        what: String,
+    },
+}
+
+fn read(path: &Path) -> Result<String, BenchmarkError> {
+    std::fs::read_to_string(path).map_err(|cause| BenchmarkError::Read { path: path.to_owned(), cause })
+}
+
+fn content(path: &Path, what: impl ToString) -> BenchmarkError {
+    BenchmarkError::Content { path: path.to_owned(), what: what.to_string() }
+}
+
+fn read_json<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, BenchmarkError> {
+    serde_json::from_str(&read(path)?).map_err(|error| content(path, error))
+}
+
+/// The rows of a CSV text with a head line.
+fn csv_rows<T: serde::de::DeserializeOwned>(path: &Path, text: &str) -> Result<Vec<T>, BenchmarkError> {
+    let mut reader = csv::Reader::from_reader(text.as_bytes());
+    reader.deserialize().collect::<Result<_, _>>().map_err(|error| content(path, error))
+}

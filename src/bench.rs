@@ -1,0 +1,95 @@
+//! `oxplow bench`: the planners on the instances of the papers, side by side with the printed figures.
+
+use anyhow::{Context as _, Result, bail};
+use benchmark::{BENCHMARKS, Benchmark, Options, Table};
+use clap::{Args, builder::PossibleValuesParser};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::{
+    path::{Path, PathBuf},
+    process::ExitCode,
+    time::Duration,
+};
+
+/// Runs a benchmark and prints its tables
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  oxplow bench tmstc --quick              does it work at all?
+  oxplow bench grid --out target/bench    tables as CSV and Markdown files
+  oxplow bench tmstc --docs docs/benchmarks.md   writes the section of this page anew
+
+The instances are no part of this repository: --instances names the folder that holds tmstc/, grid/, …")]
+pub struct BenchArgs {
+    /// Which one
+    #[arg(value_name = "NAME", value_parser = PossibleValuesParser::new(names()))]
+    name: String,
+    /// Folder of the instances
+    #[arg(long, value_name = "DIR", default_value = "../shared/instances")]
+    instances: PathBuf,
+    /// A few small instances only
+    #[arg(long)]
+    quick: bool,
+    /// Write each table as .csv and .md into this folder, and pictures where there are some
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Put the tables between the marks of this benchmark in this Markdown file
+    #[arg(long, value_name = "FILE.md")]
+    docs: Option<PathBuf>,
+}
+
+fn names() -> impl Iterator<Item = &'static str> {
+    BENCHMARKS.iter().map(|benchmark| benchmark.name)
+}
+
+/// Runs the command.
+///
+/// # Errors
+///
+/// When instances cannot be read or results cannot be written.
+pub fn run(args: &BenchArgs) -> Result<ExitCode> {
+    let benchmark = BENCHMARKS.iter().find(|benchmark| benchmark.name == args.name);
+    let benchmark = benchmark.expect("clap takes names of the table only");
+    let options = Options { instances: args.instances.clone(), quick: args.quick };
+    let bar = ProgressBar::new_spinner()
+        .with_style(ProgressStyle::with_template("{spinner} {wide_msg} {elapsed}")?);
+    bar.enable_steady_tick(Duration::from_millis(200));
+    let tables = (benchmark.run)(&options, &mut |what: &str| bar.set_message(what.to_owned()));
+    bar.finish_and_clear();
+    let tables = tables?;
+    for table in &tables {
+        println!("{}", table.markdown());
+    }
+    if let Some(folder) = &args.out {
+        write_files(folder, &tables)?;
+    }
+    if let Some(path) = &args.docs {
+        write_section(path, benchmark, args, &tables)?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn write_files(folder: &Path, tables: &[Table]) -> Result<()> {
+    let cannot = || format!("{}: cannot be written", folder.display());
+    std::fs::create_dir_all(folder).with_context(cannot)?;
+    for table in tables {
+        std::fs::write(folder.join(format!("{}.csv", table.name)), table.csv()).with_context(cannot)?;
+        std::fs::write(folder.join(format!("{}.md", table.name)), table.markdown()).with_context(cannot)?;
+    }
+    Ok(())
+}
+
+/// Replaces what stands between `<!-- bench NAME -->` and `<!-- end NAME -->`.
+fn write_section(path: &Path, benchmark: &Benchmark, args: &BenchArgs, tables: &[Table]) -> Result<()> {
+    let text =
+        std::fs::read_to_string(path).with_context(|| format!("{}: cannot be read", path.display()))?;
+    let name = benchmark.name;
+    let (begin, end) = (format!("<!-- bench {name} -->"), format!("<!-- end {name} -->"));
+    let (Some(from), Some(to)) = (text.find(&begin), text.find(&end)) else {
+        bail!("{}: the marks `{begin}` and `{end}` are not there", path.display());
+    };
+    let quick = if args.quick { " --quick" } else { "" };
+    let body: Vec<String> = tables.iter().map(Table::markdown).collect();
+    let head = format!("```sh\noxplow bench {name}{quick}\n```\n");
+    let section = format!("{begin}\n## {name}: {}\n\n{head}\n{}\n", benchmark.about, body.join("\n"));
+    let whole = format!("{}{section}{}", &text[..from], &text[to..]);
+    std::fs::write(path, whole).with_context(|| format!("{}: cannot be written", path.display()))
+}
