@@ -28,6 +28,9 @@ pub struct BenchArgs {
     /// A few small instances only
     #[arg(long)]
     quick: bool,
+    /// Effort of planners that improve their answer
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    effort: u32,
     /// Write each table as .csv and .md into this folder, and pictures where there are some
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -48,7 +51,7 @@ fn names() -> impl Iterator<Item = &'static str> {
 pub fn run(args: &BenchArgs) -> Result<ExitCode> {
     let benchmark = BENCHMARKS.iter().find(|benchmark| benchmark.name == args.name);
     let benchmark = benchmark.expect("clap takes names of the table only");
-    let options = Options { instances: args.instances.clone(), quick: args.quick };
+    let options = Options { instances: args.instances.clone(), quick: args.quick, effort: args.effort };
     let bar = ProgressBar::new_spinner()
         .with_style(ProgressStyle::with_template("{spinner} {wide_msg} {elapsed}")?);
     bar.enable_steady_tick(Duration::from_millis(200));

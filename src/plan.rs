@@ -40,6 +40,9 @@ pub struct PlanArgs {
     /// Give up when there is no plan after this time
     #[arg(long, value_name = "S", value_parser = positive)]
     time_limit_s: Option<f64>,
+    /// Improvement steps of planners that go on improving: twice as much takes twice as long
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    effort: u32,
     /// Seed of planners that draw
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
@@ -124,7 +127,7 @@ pub fn run(args: &PlanArgs) -> Result<ExitCode> {
 
 /// Plans in a thread of its own: planners know no clock, so the limit ends the process, not the planner.
 fn plan_within(task: &Arc<Task>, args: &PlanArgs) -> Result<(VerifiedPlan, f64)> {
-    let options = PlanOptions { planner: task.planner.clone(), seed: args.seed, ..PlanOptions::default() };
+    let options = PlanOptions { planner: task.planner.clone(), effort: args.effort, seed: args.seed };
     let (sender, receiver) = mpsc::channel();
     let begun = now();
     let shared = Arc::clone(task);

@@ -52,7 +52,7 @@ pub(crate) fn run(options: &Options, progress: Progress<'_>) -> Result<Vec<Table
                 task.starts.len().to_string(),
                 planner.name.to_owned(),
             ];
-            let tail = match task.plan(planner.name, 1) {
+            let tail = match task.plan(planner.name, options.effort) {
                 Ok(made) => {
                     let makespan = made.makespan_s();
                     ratios.push((planner.name, makespan / bound, best.map(|best| makespan / best)));

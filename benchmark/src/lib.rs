@@ -28,6 +28,8 @@ pub struct Options {
     pub instances: PathBuf,
     /// A few small instances only: does it work at all?
     pub quick: bool,
+    /// Effort of planners that improve their answer (see [`planner::PlanOptions::effort`]).
+    pub effort: u32,
 }
 
 /// Called with one line for each thing that is about to be done.

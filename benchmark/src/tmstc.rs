@@ -44,7 +44,7 @@ pub(crate) fn run(options: &Options, progress: Progress<'_>) -> Result<Vec<Table
         maps[0].teams.truncate(2);
     }
     let turns = table_ii(&maps, &printed, progress);
-    let [rows, summary] = table_iii(&maps, &printed, progress)?;
+    let [rows, summary] = table_iii(options, &maps, &printed, progress)?;
     Ok(vec![turns, rows, summary])
 }
 
@@ -95,6 +95,7 @@ fn paper_name(tree: &str) -> Option<&'static str> {
 }
 
 fn table_iii(
+    options: &Options,
     maps: &[PaperMap],
     printed: &[Printed],
     progress: Progress<'_>,
@@ -125,7 +126,7 @@ fn table_iii(
                 };
                 for planner in PLANNERS {
                     let head = [map.name.to_owned(), robots.to_string(), mode_name.to_owned()];
-                    let tail = match task.plan(planner.name, 1) {
+                    let tail = match task.plan(planner.name, options.effort) {
                         Ok(made) => {
                             let (to_bound, to_authors) =
                                 (made.makespan_s() / bound_s, made.makespan_s() / authors_s);

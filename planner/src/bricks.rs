@@ -8,16 +8,24 @@
 
 use crate::{
     matching::{Bipartite, Matching},
-    spanning_graph::{Node, SpanningGraph},
+    spanning_graph::Node,
 };
 use terrain::Direction;
+
+/// Nodes with at most one neighbour on each side.
+pub(crate) trait Sided {
+    /// Number of nodes.
+    fn len(&self) -> usize;
+    /// The neighbour of a node on a side.
+    fn neighbour(&self, node: Node, side: Direction) -> Option<Node>;
+}
 
 /// The joins within bricks: a node and the direction of its neighbour (east or north).
 pub(crate) type Tiling = Vec<(Node, Direction)>;
 
 /// Tilings of a graph with the fewest bricks. The minimum is not unique; the two extreme ones of König's
 /// construction are given: what is undecided joined horizontally, and vertically.
-pub(crate) fn tile(graph: &SpanningGraph) -> [Tiling; 2] {
+pub(crate) fn tile(graph: &impl Sided) -> [Tiling; 2] {
     let conflicts = Conflicts::new(graph);
     let matching = Matching::maximum(&conflicts.graph);
     let sets =
@@ -41,7 +49,7 @@ struct Conflicts {
 }
 
 impl Conflicts {
-    fn new(graph: &SpanningGraph) -> Self {
+    fn new(graph: &impl Sided) -> Self {
         let nodes = 0..graph.len() as Node;
         let with = |direction| {
             nodes.clone().filter(move |&node| graph.neighbour(node, direction).is_some()).collect::<Vec<_>>()

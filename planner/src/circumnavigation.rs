@@ -9,7 +9,10 @@
 //!   SW ──▶ SE      from NW: left along an edge to the west, else down to SW
 //! ```
 
-use crate::spanning_graph::{Node, SpanningGraph};
+use crate::{
+    bricks::Sided as _,
+    spanning_graph::{Node, SpanningGraph},
+};
 use terrain::{Cell, Direction};
 
 /// A spanning forest: per node, the directions in which it has a tree edge (one bit each).

@@ -1,5 +1,6 @@
 //! The table of planners. A new one is one file and one row here.
 
+mod forest_search;
 mod mstc_star;
 mod stc;
 mod tmstc_star;
@@ -21,6 +22,7 @@ pub struct Planner {
 
 /// Every planner, in the order of the README's table.
 pub const PLANNERS: &[Planner] = &[
+    Planner { name: "forest-search", paper: "ours", is_slow: false, plan: forest_search::plan },
     Planner {
         name: "tmstc-star",
         paper: "Lu, Zeng, Tang, Lam and Wen 2023",

@@ -8,7 +8,7 @@
 //!   a a . .      two nodes; an edge where a move crosses from one to the other
 //! ```
 
-use crate::Instance;
+use crate::{Instance, bricks::Sided};
 use terrain::{Cell, Direction};
 
 /// Number of a node.
@@ -67,20 +67,20 @@ impl SpanningGraph {
         Self { quarters, neighbours }
     }
 
-    /// Number of nodes.
-    pub(crate) fn len(&self) -> usize {
-        self.quarters.len()
-    }
-
-    /// The neighbour of a node in a direction.
-    pub(crate) fn neighbour(&self, node: Node, direction: Direction) -> Option<Node> {
-        let neighbour = self.neighbours[node as usize][direction as usize];
-        (neighbour != NONE).then_some(neighbour)
-    }
-
     /// The cell to visit in a quarter of a node.
     pub(crate) fn cell(&self, node: Node, quarter: usize) -> Option<Cell> {
         self.quarters[node as usize][quarter]
+    }
+}
+
+impl Sided for SpanningGraph {
+    fn len(&self) -> usize {
+        self.quarters.len()
+    }
+
+    fn neighbour(&self, node: Node, side: Direction) -> Option<Node> {
+        let neighbour = self.neighbours[node as usize][side as usize];
+        (neighbour != NONE).then_some(neighbour)
     }
 }
 

@@ -5,6 +5,7 @@
 //! pheromone^α · attraction^β. After each round pheromone evaporates, and the best tree so far gains some.
 
 use crate::{
+    bricks::Sided as _,
     circumnavigation::Forest,
     spanning_graph::{Node, SpanningGraph},
 };

@@ -1,6 +1,7 @@
 //! Depth first search: the tree of the first STC papers.
 
 use crate::{
+    bricks::Sided as _,
     circumnavigation::Forest,
     spanning_graph::{Node, SpanningGraph},
 };

@@ -1,6 +1,7 @@
 //! Kruskal's minimum spanning tree. All edges weigh the same, so they are taken in the order of the lattice.
 
 use crate::{
+    bricks::Sided as _,
     circumnavigation::Forest,
     disjoint_sets::DisjointSets,
     spanning_graph::{Node, SpanningGraph},

@@ -1,7 +1,7 @@
 //! The tree of TMSTC*: bricks joined by the edges that add the fewest turns.
 
 use crate::{
-    bricks::{Tiling, tile},
+    bricks::{Sided as _, Tiling, tile},
     circumnavigation::{Forest, turns_around},
     disjoint_sets::DisjointSets,
     spanning_graph::{Node, SpanningGraph},
