@@ -62,7 +62,7 @@ pub(crate) fn run(options: &Options, progress: Progress<'_>) -> Result<Vec<Table
                 Err(PlanError::Unsupported { reason, .. }) => {
                     [format!("refused: {reason}"), String::new(), String::new(), ls.clone(), String::new()]
                 }
-                Err(error) => return Err(content(&file, error)),
+                Err(error) => return Err(content(&file, error.to_string())),
             };
             table.push([&head[..], &tail].concat());
         }

@@ -23,8 +23,8 @@ struct Cost {
     scale: f64,
     #[serde(rename = "move")]
     one_move: f64,
-    turn90: f64,
-    turn180: f64,
+    turn90: u32,
+    turn180: u32,
     closed: bool,
 }
 
@@ -39,8 +39,9 @@ struct Weights {
 pub(crate) fn load(path: &Path) -> Result<Task, BenchmarkError> {
     let file: File = read_json(path)?;
     let map_path = path.with_file_name(&file.map);
-    let map = parse_movingai(&read(&map_path)?, 1.0).map_err(|error| content(&map_path, error))?;
-    if file.cost.turn180 != 2.0 * file.cost.turn90 || !file.cost.closed {
+    let map =
+        parse_movingai(&read(&map_path)?, 1.0).map_err(|error| content(&map_path, error.to_string()))?;
+    if file.cost.turn180 != 2 * file.cost.turn90 || !file.cost.closed {
         return Err(content(path, "only closed walks with turn180 = 2 × turn90 are taken"));
     }
     let page = Page { rows: map.rows(), columns: map.columns() };
@@ -65,7 +66,7 @@ fn motion(cost: &Cost) -> MotionModel {
     MotionModel {
         speed_m_per_s: cost.scale / cost.one_move,
         acceleration_m_per_s2: f64::INFINITY,
-        angular_speed_rad_per_s: FRAC_PI_2 * cost.scale / cost.turn90,
+        angular_speed_rad_per_s: FRAC_PI_2 * cost.scale / f64::from(cost.turn90),
         angular_acceleration_rad_per_s2: f64::INFINITY,
         brakes: false,
     }

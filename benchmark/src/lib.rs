@@ -81,16 +81,16 @@ fn read(path: &Path) -> Result<String, BenchmarkError> {
     std::fs::read_to_string(path).map_err(|cause| BenchmarkError::Read { path: path.to_owned(), cause })
 }
 
-fn content(path: &Path, what: impl ToString) -> BenchmarkError {
-    BenchmarkError::Content { path: path.to_owned(), what: what.to_string() }
+fn content(path: &Path, what: impl Into<String>) -> BenchmarkError {
+    BenchmarkError::Content { path: path.to_owned(), what: what.into() }
 }
 
 fn read_json<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, BenchmarkError> {
-    serde_json::from_str(&read(path)?).map_err(|error| content(path, error))
+    serde_json::from_str(&read(path)?).map_err(|error| content(path, error.to_string()))
 }
 
 /// The rows of a CSV text with a head line.
 fn csv_rows<T: serde::de::DeserializeOwned>(path: &Path, text: &str) -> Result<Vec<T>, BenchmarkError> {
     let mut reader = csv::Reader::from_reader(text.as_bytes());
-    reader.deserialize().collect::<Result<_, _>>().map_err(|error| content(path, error))
+    reader.deserialize().collect::<Result<_, _>>().map_err(|error| content(path, error.to_string()))
 }

@@ -72,7 +72,7 @@ impl PaperMap {
 
 /// Each character is a mega cell of 2 × 2 cells.
 fn floor(path: &Path) -> Result<Floor, BenchmarkError> {
-    let map = parse_movingai(&read(path)?, 1.0).map_err(|error| content(path, error))?;
+    let map = parse_movingai(&read(path)?, 1.0).map_err(|error| content(path, error.to_string()))?;
     let (columns, rows) = (2 * map.columns(), 2 * map.rows());
     let lattice = Lattice { origin: Point::origin(), cell_m: 0.5, columns, rows };
     let free: Vec<bool> =

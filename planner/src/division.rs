@@ -6,16 +6,23 @@
 //! begin dealing are tried. In the end each run is driven in the direction that is cheaper, and the ways between
 //! cells that do not touch are filled in.
 
+mod cut;
+
 use crate::{
-    Instance, Mode, Plan, PlanError, Route,
+    Instance, Mode, Plan, PlanError, Route, Start,
     shortest_way::{WayFinder, moves_from},
 };
+use cut::Cut;
 use std::{collections::BTreeMap, f64::consts::FRAC_PI_2};
 use terrain::Cell;
 
 /// Places to begin dealing, at most.
 const BEGINNINGS_MAX: usize = 48;
 const BISECTIONS: u32 = 24;
+/// Bounds leave out the turns of ways: what is a little worse by the bound may be better in truth.
+const SLACK: f64 = 1.02;
+/// Ways to deal that are driven to see what they take.
+const CUTS_DRIVEN: usize = 6;
 
 /// The sequence with running costs.
 struct Sequence {
@@ -47,12 +54,35 @@ pub(crate) fn divide(instance: &Instance<'_>, loops: Vec<Vec<Cell>>) -> Result<P
         }
         let team = Team::new(instance, robots);
         let sequence = lay_out(instance, order_loops(instance, loops, &team.legs), &mut finder)?;
-        for (member, run) in deal_best(&team, &sequence).iter().enumerate() {
-            let robot = team.robots[member];
-            routes[robot] = route(instance, robot, &sequence, run.as_ref(), &mut finder)?;
+        let mut best: Option<Cut> = None;
+        for runs in deal_best(&team, &sequence) {
+            let cut = Cut::drive(&team, &sequence, runs, &mut finder)?;
+            if best.as_ref().is_none_or(|best| cut.makespan_s() < best.makespan_s()) {
+                best = Some(cut);
+            }
+        }
+        let mut best = best.expect("without a bound, dealing works");
+        best.improve(&team, &sequence, &mut finder)?;
+        for (member, (_, route)) in best.driven.into_iter().enumerate() {
+            routes[team.robots[member]] = route;
         }
     }
     Ok(Plan { routes })
+}
+
+/// Time of the slowest robot, seconds.
+pub(crate) fn makespan_s(instance: &Instance<'_>, plan: &Plan) -> f64 {
+    let times =
+        plan.routes.iter().zip(&instance.starts).map(|(route, start)| route_s(instance, start, route));
+    times.fold(0.0, f64::max)
+}
+
+/// Time of one robot, its delay included; 0 when it stays, seconds.
+fn route_s(instance: &Instance<'_>, start: &Start, route: &Route) -> f64 {
+    match route.points.len() {
+        0 | 1 => 0.0,
+        _ => start.available_in_s + instance.path_s(&route.points, start.heading_rad),
+    }
 }
 
 /// The robots that share a connected piece of ground, and how far each has to everywhere.
@@ -149,16 +179,18 @@ fn turn_s(instance: &Instance<'_>, from: (i32, i32), to: (i32, i32)) -> f64 {
 /// A robot's run: from one number of the sequence up to, not including, another.
 type Run = std::ops::Range<usize>;
 
-fn deal_best(team: &Team<'_>, sequence: &Sequence) -> Vec<Option<Run>> {
-    let mut best: Option<(f64, Vec<Option<Run>>)> = None;
+/// The best few ways to deal, each better than the one before it, by the bound.
+fn deal_best(team: &Team<'_>, sequence: &Sequence) -> Vec<Vec<Option<Run>>> {
+    let mut to_beat_s = f64::INFINITY;
+    let mut dealt = Vec::new();
     for rotation in beginnings(team, sequence) {
-        let dealer = Dealer::new(team, sequence, rotation);
-        let to_beat_s = best.as_ref().map_or(f64::INFINITY, |&(bound_s, _)| bound_s);
-        if let Some(dealt) = dealer.bisect(to_beat_s) {
-            best = Some(dealt);
+        if let Some((bound_s, runs)) = Dealer::new(team, sequence, rotation).bisect(to_beat_s) {
+            to_beat_s = bound_s * SLACK;
+            dealt.push((bound_s, runs));
         }
     }
-    best.map(|(_, runs)| runs).expect("without a bound, dealing works")
+    dealt.sort_by(|a, b| a.0.total_cmp(&b.0));
+    dealt.into_iter().take(CUTS_DRIVEN).map(|(_, runs)| runs).collect()
 }
 
 /// Numbers of the sequence at which dealing may begin: where robots stand, and evenly spread ones.
@@ -287,46 +319,4 @@ impl<'a> Dealer<'a> {
         }
         low + 1
     }
-}
-
-/// A robot's route over its run, in the cheaper direction.
-fn route(
-    instance: &Instance<'_>,
-    robot: usize,
-    sequence: &Sequence,
-    run: Option<&Run>,
-    finder: &mut WayFinder,
-) -> Result<Route, PlanError> {
-    let Some(run) = run else { return Ok(Route::default()) };
-    let count = sequence.cells.len();
-    let forwards: Vec<Cell> = run.clone().map(|number| sequence.cells[number % count]).collect();
-    let backwards: Vec<Cell> = forwards.iter().rev().copied().collect();
-    let there = drive(instance, robot, &forwards, finder)?;
-    let back = drive(instance, robot, &backwards, finder)?;
-    let heading = instance.starts[robot].heading_rad;
-    let cheaper = if instance.path_s(&back.points, heading) < instance.path_s(&there.points, heading) {
-        back
-    } else {
-        there
-    };
-    Ok(cheaper)
-}
-
-fn drive(
-    instance: &Instance<'_>,
-    robot: usize,
-    cells: &[Cell],
-    finder: &mut WayFinder,
-) -> Result<Route, PlanError> {
-    let start = instance.starts[robot].cell;
-    let mut way = vec![start];
-    for &cell in cells {
-        let from = *way.last().expect("it begins with the start");
-        finder.go(instance, from, cell, &mut way)?;
-    }
-    if instance.mode == Mode::CoverAndReturn {
-        let from = *way.last().expect("it begins with the start");
-        finder.go(instance, from, start, &mut way)?;
-    }
-    Ok(Route { points: way.into_iter().map(|cell| instance.center(cell)).collect() })
 }

@@ -7,7 +7,7 @@ mod turn_minimising;
 
 pub(crate) use depth_first::depth_first;
 pub(crate) use kruskal::kruskal;
-pub(crate) use turn_minimising::turn_minimising;
+pub(crate) use turn_minimising::{turn_minimising, turn_minimising_pair};
 
 use crate::{Instance, circumnavigation::Forest, spanning_graph::SpanningGraph};
 use terrain::Direction;

@@ -9,19 +9,23 @@
 //! **Paper.** J. Lu, B. Zeng, J. Tang, T. L. Lam, J. Wen: TMSTC*: a path planning algorithm for minimizing turns in
 //! multi-robot coverage. IEEE Robotics and Automation Letters 8(8), 2023.
 //! **Departures.** Mega cells may be visited in part. The change of turns at a node without edges is −2, as
-//! equation 6 has it (the authors' program takes 0). Of the minimum tilings two are tried. The division is a bisection on the largest time with true
+//! equation 6 has it (the authors' program takes 0). Of the minimum tilings two are tried, to the end. The division is a bisection on the largest time with true
 //! costs and any robot at any place of the walk, instead of sliding cuts between neighbours (equation 8 is the
 //! `MotionModel`). In words for the paper's letters: the coverage graph G is the lattice, the spanning graph H is
 //! `SpanningGraph`, the segment graph I is the graph of conflicts between joins.
 
 use crate::{
-    Instance, Plan, PlanError, PlanOptions, circumnavigation::loops, division::divide,
-    spanning_graph::SpanningGraph, spanning_trees::turn_minimising,
+    Instance, Plan, PlanError, PlanOptions,
+    circumnavigation::loops,
+    division::{divide, makespan_s},
+    spanning_graph::SpanningGraph,
+    spanning_trees::turn_minimising_pair,
 };
 
 /// Plans.
 pub(super) fn plan(instance: &Instance<'_>, _options: &PlanOptions) -> Result<Plan, PlanError> {
     let graph = SpanningGraph::new(instance);
-    let forest = turn_minimising(&graph);
-    divide(instance, loops(&graph, &forest))
+    let [a, b] = turn_minimising_pair(&graph).map(|forest| divide(instance, loops(&graph, &forest)));
+    let (a, b) = (a?, b?);
+    Ok(if makespan_s(instance, &b) < makespan_s(instance, &a) { b } else { a })
 }

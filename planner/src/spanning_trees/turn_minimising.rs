@@ -11,8 +11,13 @@ use terrain::Direction;
 
 /// The better of the trees grown from two minimum tilings.
 pub(crate) fn turn_minimising(graph: &SpanningGraph) -> Forest {
-    let [a, b] = tile(graph).map(|tiling| merge_bricks(graph, &tiling));
+    let [a, b] = turn_minimising_pair(graph);
     if b.turns() < a.turns() { b } else { a }
+}
+
+/// The trees grown from two minimum tilings, which differ where joins across and along do equally well.
+pub(crate) fn turn_minimising_pair(graph: &SpanningGraph) -> [Forest; 2] {
+    tile(graph).map(|tiling| merge_bricks(graph, &tiling))
 }
 
 /// Algorithm 1 of the paper: bricks joined to trees, each time by the edge that adds the fewest turns.

@@ -145,7 +145,7 @@ impl Annealing<'_> {
             return None;
         }
         while steps > 0 {
-            let (parent, _) = self.forest.parent(self.search.blocks, top, at)?;
+            let (parent, _) = Forest::parent(self.search.blocks, top, at)?;
             let above = self.forest.member(parent, member.tree)?;
             if above.up == ROOT {
                 break;
@@ -229,7 +229,7 @@ impl Annealing<'_> {
             let used = self.forest.member(by, from).expect("it hangs in the tree").used;
             to_s += change_s(by, used, used | 1 << joint);
         }
-        let (parent, parent_joint) = self.forest.parent(blocks, top, member).expect("a root is not cut off");
+        let (parent, parent_joint) = Forest::parent(blocks, top, member).expect("a root is not cut off");
         let above = self.forest.member(parent, from).expect("a parent is in the tree").used;
         let link = blocks.joints[by as usize][joint as usize];
         let cut = above & !(1 << parent_joint);

@@ -74,7 +74,7 @@ impl Forest {
     }
 
     /// The parent of a block in a tree, and the parent's joint to it.
-    pub(super) fn parent(&self, blocks: &Blocks, block: Block, member: Member) -> Option<(Block, u8)> {
+    pub(super) fn parent(blocks: &Blocks, block: Block, member: Member) -> Option<(Block, u8)> {
         let link = blocks.joints[block as usize].get(member.up as usize)?;
         Some((link.other, link.back))
     }
@@ -119,7 +119,7 @@ impl Forest {
         subtree: &[(Block, Member)],
     ) {
         let (top, member) = subtree[0];
-        let (parent, joint) = self.parent(blocks, top, member).expect("a root is not cut off");
+        let (parent, joint) = Self::parent(blocks, top, member).expect("a root is not cut off");
         let above = self.member_mut(parent, tree);
         let before = above.used;
         above.used &= !(1 << joint);

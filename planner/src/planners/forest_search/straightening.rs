@@ -32,7 +32,9 @@ pub(super) fn straighten(blocks: &Blocks, pricing: &Pricing, forest: &mut Forest
         if let Some((_, used)) = better.filter(|&(after_s, _)| after_s < before_s - 1e-9) {
             forest.replace(pricing, tree as Tree, &members, &region.rooted(&used));
         }
-        members.iter().for_each(|&(block, _)| number_of[block as usize] = Node::MAX);
+        for &(block, _) in &members {
+            number_of[block as usize] = Node::MAX;
+        }
     }
 }
 
