@@ -7,7 +7,7 @@ use std::{
     f64::consts::FRAC_PI_2,
     path::{Path, PathBuf},
 };
-use terrain::{Cell, Floor, GridMap, Lattice, MotionModel, Point, parse_movingai};
+use terrain::{Cell, Direction, Floor, GridMap, Lattice, MotionModel, Point, parse_movingai};
 
 #[derive(Debug, Deserialize)]
 struct File {
@@ -50,14 +50,16 @@ pub(crate) fn load(path: &Path) -> Result<Task, BenchmarkError> {
         heading_rad: Some(-FRAC_PI_2),
         ..Start::at(page.cell(x, y))
     });
-    let weights = file.edge_weights.as_ref().map(|weights| page.weights(path, weights, file.cost.one_move));
+    let mut floor = page.floor(&map);
+    let weights =
+        file.edge_weights.as_ref().map(|weights| page.weights(path, weights, file.cost.one_move, &mut floor));
     Ok(Task {
         name: file.name,
         starts: starts.collect(),
-        floor: page.floor(&map),
         motion: motion(&file.cost),
         mode: Mode::CoverAndReturn,
         weights: weights.transpose()?,
+        floor,
     })
 }
 
@@ -98,11 +100,20 @@ impl Page {
         Floor::from_cells(lattice, &free, 0.35, 1.0)
     }
 
-    fn weights(self, path: &Path, weights: &Weights, one_move: f64) -> Result<EdgeWeights, BenchmarkError> {
+    /// Factors on moves; a weight of 0 says that there is no move.
+    fn weights(
+        self,
+        path: &Path,
+        weights: &Weights,
+        one_move: f64,
+        floor: &mut Floor,
+    ) -> Result<EdgeWeights, BenchmarkError> {
         let lattice = self.lattice();
         let mut right = vec![1.0; lattice.len()];
         let mut up = right.clone();
-        for (lines, list, lower) in [(&weights.right, &mut right, 0), (&weights.down, &mut up, 1)] {
+        let lists =
+            [(&weights.right, &mut right, 0, Direction::East), (&weights.down, &mut up, 1, Direction::North)];
+        for (lines, list, lower, way) in lists {
             for (row, line) in lines.iter().enumerate() {
                 for (x, word) in line.split_whitespace().enumerate() {
                     let value: f64 = word
@@ -111,10 +122,61 @@ impl Page {
                     // The edge down from a cell is the edge up from the one below it.
                     let cell = self.cell(x as u32, row as u32 + lower);
                     let index = lattice.index(cell).ok_or_else(|| content(path, "weights beyond the map"))?;
-                    list[index] = if value > 0.0 { value / one_move } else { 1.0 };
+                    if value > 0.0 {
+                        list[index] = value / one_move;
+                    } else {
+                        floor.close_move(cell, way);
+                    }
                 }
             }
         }
         Ok(EdgeWeights { right, up })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use planner::{Plan, Route, verify};
+
+    #[derive(Deserialize)]
+    struct Vector {
+        instance: String,
+        scale: f64,
+        walks: Vec<Vec<[u32; 2]>>,
+        move_cost: Vec<f64>,
+        turn_cost: Vec<f64>,
+    }
+
+    /// Walks with their exact cost, made and measured by programs that are not ours.
+    #[test]
+    fn walks_of_others_cost_what_they_say() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/instances/grid");
+        let Ok(entries) = std::fs::read_dir(folder.join("vectors")) else {
+            println!("skipped: {} is not there", folder.display());
+            return;
+        };
+        let mut count = 0;
+        for entry in entries {
+            let vector: Vector = read_json(&entry.unwrap().path()).unwrap();
+            let task = load(&folder.join(format!("{}.json", vector.instance))).unwrap();
+            let instance = task.instance();
+            let page = Page { rows: task.floor.lattice().rows, columns: task.floor.lattice().columns };
+            let route = |walk: &Vec<[u32; 2]>| Route {
+                points: walk.iter().map(|&[x, y]| instance.center(page.cell(x, y))).collect(),
+            };
+            let plan = Plan { routes: vector.walks.iter().map(route).collect() };
+            let figures = verify(&instance, &plan).unwrap();
+            for (robot, cost_s) in figures.cost_s.iter().enumerate() {
+                let expected = (vector.move_cost[robot] + vector.turn_cost[robot]) / vector.scale;
+                assert!(
+                    (cost_s - expected).abs() < 1e-6,
+                    "{} {robot}: {cost_s}, {expected}",
+                    vector.instance
+                );
+                count += 1;
+            }
+        }
+        assert!(count > 30, "{count} walks");
     }
 }

@@ -11,8 +11,11 @@
 mod cpu;
 mod grid;
 mod grid_instances;
+mod growth;
+mod mfc;
 mod tables;
 mod task;
+mod terrains;
 mod tmstc;
 mod tmstc_instances;
 
@@ -49,6 +52,8 @@ pub struct Benchmark {
 /// Every benchmark.
 pub const BENCHMARKS: &[Benchmark] = &[
     Benchmark { name: "tmstc", about: "Tables II and III of Lu and others 2023 (TMSTC*)", run: tmstc::run },
+    Benchmark { name: "mfc", about: "Fig. 6 of Zheng and others 2005 (MFC)", run: mfc::run },
+    Benchmark { name: "growth", about: "planning time by size of the floor", run: growth::run },
     Benchmark {
         name: "grid",
         about: "the grid instances of LS-MCPP and MIP-MCPP under their costs",

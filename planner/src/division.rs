@@ -37,6 +37,19 @@ struct Sequence {
 ///
 /// [`PlanError::Unreachable`] when a cell cannot be reached.
 pub(crate) fn divide(instance: &Instance<'_>, loops: Vec<Vec<Cell>>) -> Result<Plan, PlanError> {
+    divide_among(instance, loops, &vec![true; instance.starts.len()])
+}
+
+/// The same among those robots only that are marked.
+///
+/// # Errors
+///
+/// [`PlanError::Unreachable`] when none of them can reach a cell.
+pub(crate) fn divide_among(
+    instance: &Instance<'_>,
+    loops: Vec<Vec<Cell>>,
+    takes_part: &[bool],
+) -> Result<Plan, PlanError> {
     let lattice = instance.floor.lattice();
     let component = instance.components();
     let component_of = |cell: Cell| lattice.index(cell).map_or(u32::MAX, |index| component[index]);
@@ -47,8 +60,9 @@ pub(crate) fn divide(instance: &Instance<'_>, loops: Vec<Vec<Cell>>) -> Result<P
     let mut finder = WayFinder::new(instance);
     let mut routes = vec![Route::default(); instance.starts.len()];
     for (number, loops) in pieces {
-        let robots: Vec<usize> =
-            (0..routes.len()).filter(|&robot| component_of(instance.starts[robot].cell) == number).collect();
+        let robots: Vec<usize> = (0..routes.len())
+            .filter(|&robot| takes_part[robot] && component_of(instance.starts[robot].cell) == number)
+            .collect();
         if robots.is_empty() {
             return Err(PlanError::Unreachable(loops[0][0]));
         }

@@ -5,6 +5,7 @@
 //! runs one planner of the table [`PLANNERS`] and then [`verify()`], which knows nothing of how a plan is made.
 //! No clock, no files, no network, no global randomness: same instance and seed, same plan.
 
+mod block_trees;
 mod bricks;
 mod circumnavigation;
 mod disjoint_sets;

@@ -1,6 +1,7 @@
 //! The table of planners. A new one is one file and one row here.
 
 mod forest_search;
+mod mfc;
 mod mstc_star;
 mod stc;
 mod tmstc_star;
@@ -29,6 +30,7 @@ pub const PLANNERS: &[Planner] = &[
         is_slow: false,
         plan: tmstc_star::plan,
     },
+    Planner { name: "mfc", paper: "Zheng, Jain, Koenig and Kempe 2005", is_slow: false, plan: mfc::plan },
     Planner { name: "mstc-star", paper: "Tang, Sun and Zhang 2021", is_slow: false, plan: mstc_star::plan },
     Planner { name: "stc", paper: "Gabriely and Rimon 2001", is_slow: false, plan: stc::plan },
 ];

@@ -125,6 +125,15 @@ impl Floor {
         Self { lattice, body_radius_m, tool_width_m, drivable, moves, required, classes, map: None }
     }
 
+    /// Closes a move, and the way back: a wall that is thinner than a cell.
+    pub fn close_move(&mut self, cell: Cell, direction: Direction) {
+        for (from, way) in [(cell, direction), (cell.step(direction), direction.opposite())] {
+            if let Some(index) = self.lattice.index(from) {
+                self.moves[index] &= !(1 << way as u8);
+            }
+        }
+    }
+
     /// The lattice.
     pub fn lattice(&self) -> &Lattice {
         &self.lattice

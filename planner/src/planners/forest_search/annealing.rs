@@ -3,12 +3,8 @@
 //! The energy of a forest is Σ (m / p) (c / m)^p over its trees, with c the time of a tree and m the mean time. Near balance
 //! its slope is the total time, so overlap and turns go down as well; p grows, and with it the pressure on the slowest.
 
-use super::{
-    blocks::{Block, Blocks},
-    forest::{Forest, Member, ROOT, Tree, up_bit},
-    pricing::Pricing,
-    straightening::straighten,
-};
+use super::straightening::straighten;
+use crate::block_trees::{Block, Blocks, Forest, Member, Pricing, ROOT, Tree, up_bit};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use std::collections::{BTreeMap, VecDeque};
@@ -23,6 +19,10 @@ const FAR_BLOCKS: usize = 4_000;
 const POWERS: [f64; 2] = [20.0, 140.0];
 /// First and last temperature, in moves.
 const TEMPERATURES: [f64; 2] = [2.0, 0.08];
+/// Proposals are drawn from so many neighbouring blocks for as many proposals: what is at hand stays in the cache.
+const WINDOW: usize = 8_192;
+/// How often the forest is compared with the best one on the way.
+const LOOKS: u64 = 50;
 /// How often all trees are straightened on the way.
 const STRAIGHTENINGS: u64 = 3;
 /// Proposals between two looks at the mean time.
@@ -48,6 +48,8 @@ struct Annealing<'a> {
     power: f64,
     temperature_s: f64,
     subtree: Vec<(Block, Member)>,
+    /// First of the blocks that proposals are drawn from.
+    window: usize,
 }
 
 impl Search<'_> {
@@ -61,13 +63,17 @@ impl Search<'_> {
             power: POWERS[0],
             temperature_s: self.move_s,
             subtree: Vec::new(),
+            window: 0,
             forest,
         };
         annealing.keep_best();
-        let look = REFRESH.max(2 * self.blocks.len() as u64);
+        let look = proposals / LOOKS + 1;
         for number in 0..proposals {
             if number % REFRESH == 0 {
                 annealing.cool(number as f64 / proposals as f64);
+            }
+            if number % WINDOW as u64 == 0 {
+                annealing.window = annealing.rng.random_range(0..self.blocks.len());
             }
             if STRAIGHTENINGS > 0 && number % (proposals / (STRAIGHTENINGS + 1) + 1) == 0 && number > 0 {
                 straighten(self.blocks, self.pricing, &mut annealing.forest, self.roots);
@@ -107,7 +113,8 @@ impl Annealing<'_> {
     }
 
     fn propose(&mut self) {
-        let block = self.rng.random_range(0..self.search.blocks.len()) as Block;
+        let count = self.search.blocks.len();
+        let block = ((self.window + self.rng.random_range(0..count.min(WINDOW))) % count) as Block;
         let members = self.forest.members(block);
         if members.is_empty() {
             return;

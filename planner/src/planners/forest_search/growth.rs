@@ -1,11 +1,9 @@
 //! The first forest: trees grown from the starts, breadth first, the quickest robot next.
 
-use super::{
-    blocks::{Block, Blocks},
-    forest::{Forest, Tree},
-    pricing::Pricing,
+use crate::{
+    Instance,
+    block_trees::{Block, Blocks, Forest, Pricing, Tree},
 };
-use crate::Instance;
 use std::{
     cmp::Reverse,
     collections::{BinaryHeap, VecDeque},

@@ -3,12 +3,8 @@
 //! As in TMSTC*: the fewest straight bricks first (`bricks.rs`), then the joints that add the least time, looked up
 //! again when they come up. What comes out is taken where it is cheaper than what was there.
 
-use super::{
-    blocks::{Block, Blocks},
-    forest::{Forest, Member, ROOT, Tree},
-    pricing::Pricing,
-};
 use crate::{
+    block_trees::{Block, Blocks, Forest, Member, Pricing, ROOT, Tree},
     bricks::{Sided, Tiling, tile},
     disjoint_sets::DisjointSets,
     spanning_graph::Node,

@@ -5,35 +5,37 @@ use super::{
     pricing::Pricing,
 };
 
+use smallvec::SmallVec;
+
 /// Number of a tree: that of its robot.
-pub(super) type Tree = u32;
+pub(crate) type Tree = u32;
 
 /// A block in a tree.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Member {
-    pub(super) tree: Tree,
+pub(crate) struct Member {
+    pub(crate) tree: Tree,
     /// Joints used, one bit each.
-    pub(super) used: u8,
+    pub(crate) used: u8,
     /// The joint towards the root; [`ROOT`] at the root.
-    pub(super) up: u8,
+    pub(crate) up: u8,
 }
 
 /// No joint leads up from here.
-pub(super) const ROOT: u8 = u8::MAX;
+pub(crate) const ROOT: u8 = u8::MAX;
 
 /// The trees of all robots. A block may belong to several.
 #[derive(Debug, Clone)]
-pub(super) struct Forest {
+pub(crate) struct Forest {
     /// Per block: the trees that it belongs to.
-    members: Vec<Vec<Member>>,
+    members: Vec<SmallVec<[Member; 2]>>,
     /// Per tree: seconds, the robot's delay included.
-    pub(super) cost_s: Vec<f64>,
+    pub(crate) cost_s: Vec<f64>,
 }
 
 impl Forest {
     /// Trees of one block each; robots without work on their piece of ground have them, too.
-    pub(super) fn new(blocks: &Blocks, pricing: &Pricing, roots: &[Block], delays_s: &[f64]) -> Self {
-        let mut forest = Self { members: vec![Vec::new(); blocks.len()], cost_s: delays_s.to_vec() };
+    pub(crate) fn new(blocks: &Blocks, pricing: &Pricing, roots: &[Block], delays_s: &[f64]) -> Self {
+        let mut forest = Self { members: vec![SmallVec::new(); blocks.len()], cost_s: delays_s.to_vec() };
         for (tree, &root) in roots.iter().enumerate() {
             forest.members[root as usize].push(Member { tree: tree as Tree, used: 0, up: ROOT });
             forest.cost_s[tree] += pricing.seconds(root, 0);
@@ -41,11 +43,11 @@ impl Forest {
         forest
     }
 
-    pub(super) fn members(&self, block: Block) -> &[Member] {
+    pub(crate) fn members(&self, block: Block) -> &[Member] {
         &self.members[block as usize]
     }
 
-    pub(super) fn member(&self, block: Block, tree: Tree) -> Option<Member> {
+    pub(crate) fn member(&self, block: Block, tree: Tree) -> Option<Member> {
         self.members(block).iter().copied().find(|member| member.tree == tree)
     }
 
@@ -55,7 +57,7 @@ impl Forest {
     }
 
     /// Hangs a new block below `under` by the joint `joint` of `under`.
-    pub(super) fn add_leaf(
+    pub(crate) fn add_leaf(
         &mut self,
         blocks: &Blocks,
         pricing: &Pricing,
@@ -74,13 +76,13 @@ impl Forest {
     }
 
     /// The parent of a block in a tree, and the parent's joint to it.
-    pub(super) fn parent(blocks: &Blocks, block: Block, member: Member) -> Option<(Block, u8)> {
+    pub(crate) fn parent(blocks: &Blocks, block: Block, member: Member) -> Option<(Block, u8)> {
         let link = blocks.joints[block as usize].get(member.up as usize)?;
         Some((link.other, link.back))
     }
 
     /// The blocks below and including `top`; nothing when there are more than `most`.
-    pub(super) fn subtree(
+    pub(crate) fn subtree(
         &self,
         blocks: &Blocks,
         tree: Tree,
@@ -111,7 +113,7 @@ impl Forest {
     }
 
     /// Cuts a subtree off its parent and takes it out of the tree.
-    pub(super) fn remove(
+    pub(crate) fn remove(
         &mut self,
         blocks: &Blocks,
         pricing: &Pricing,
@@ -135,7 +137,7 @@ impl Forest {
     }
 
     /// Hangs a subtree that was taken out into a tree, by the joint `joint` of its block `by`, which gets its top.
-    pub(super) fn insert(
+    pub(crate) fn insert(
         &mut self,
         blocks: &Blocks,
         pricing: &Pricing,
@@ -175,7 +177,7 @@ impl Forest {
     }
 
     /// Puts other members of a tree in the place of its old ones: the same blocks, joined otherwise.
-    pub(super) fn replace(&mut self, pricing: &Pricing, tree: Tree, old: &[(Block, Member)], new: &[Member]) {
+    pub(crate) fn replace(&mut self, pricing: &Pricing, tree: Tree, old: &[(Block, Member)], new: &[Member]) {
         for (&(block, before), &after) in old.iter().zip(new) {
             self.cost_s[tree as usize] +=
                 pricing.seconds(block, after.used) - pricing.seconds(block, before.used);
@@ -184,13 +186,13 @@ impl Forest {
     }
 
     /// Time of the slowest robot.
-    pub(super) fn makespan_s(&self) -> f64 {
+    pub(crate) fn makespan_s(&self) -> f64 {
         self.cost_s.iter().copied().fold(0.0, f64::max)
     }
 }
 
 /// The bit of the joint towards the root; none at the root.
-pub(super) fn up_bit(member: Member) -> u8 {
+pub(crate) fn up_bit(member: Member) -> u8 {
     joint_bit(member.up)
 }
 

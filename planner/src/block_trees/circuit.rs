@@ -18,7 +18,7 @@ type Stub = u32;
 const NONE: Stub = Stub::MAX;
 
 /// Finds walks one after another; keeps a table by cell between them.
-pub(super) struct Walker<'a> {
+pub(crate) struct Walker<'a> {
     instance: &'a Instance<'a>,
     blocks: &'a Blocks,
     corners: Corners,
@@ -37,13 +37,13 @@ struct Moves {
 }
 
 impl<'a> Walker<'a> {
-    pub(super) fn new(instance: &'a Instance<'a>, blocks: &'a Blocks) -> Self {
+    pub(crate) fn new(instance: &'a Instance<'a>, blocks: &'a Blocks) -> Self {
         let number_of = vec![u32::MAX; instance.floor.lattice().len()];
         Self { instance, blocks, corners: Corners::new(instance), number_of }
     }
 
     /// The cells of the closed walk around a tree, from `start` to `start`; `start` alone when there is no move.
-    pub(super) fn walk(&mut self, forest: &Forest, tree: Tree, root: Block, start: Cell) -> Vec<Cell> {
+    pub(crate) fn walk(&mut self, forest: &Forest, tree: Tree, root: Block, start: Cell) -> Vec<Cell> {
         let mut members: Vec<(Block, Member)> = Vec::new();
         forest.subtree(self.blocks, tree, root, usize::MAX, &mut members);
         let mut moves = self.moves(&members);

@@ -7,15 +7,15 @@ use terrain::{Cell, Direction};
 
 /// Time of corners, seconds.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Corners {
+pub(crate) struct Corners {
     /// A quarter turn and the ramps of the runs that it separates.
-    pub(super) quarter_s: f64,
+    pub(crate) quarter_s: f64,
     /// The same for a half turn.
-    pub(super) half_s: f64,
+    pub(crate) half_s: f64,
 }
 
 impl Corners {
-    pub(super) fn new(instance: &Instance<'_>) -> Self {
+    pub(crate) fn new(instance: &Instance<'_>) -> Self {
         let motion = &instance.motion;
         let ramps = if motion.brakes { 1.0 } else { 0.5 };
         let ramps_s = ramps * motion.speed_m_per_s / motion.acceleration_m_per_s2;
@@ -26,7 +26,7 @@ impl Corners {
     }
 
     /// Between a move that leaves towards `one` and another that leaves towards `other`.
-    pub(super) fn between_s(self, one: Direction, other: Direction) -> f64 {
+    pub(crate) fn between_s(self, one: Direction, other: Direction) -> f64 {
         if one == other {
             self.half_s
         } else if one == other.opposite() {
@@ -39,13 +39,13 @@ impl Corners {
 
 /// Seconds by block and set of joints. A crossing counts half at either end.
 #[derive(Debug)]
-pub(super) struct Pricing {
+pub(crate) struct Pricing {
     begins: Vec<u32>,
     seconds: Vec<f64>,
 }
 
 impl Pricing {
-    pub(super) fn new(instance: &Instance<'_>, blocks: &Blocks) -> Self {
+    pub(crate) fn new(instance: &Instance<'_>, blocks: &Blocks) -> Self {
         let corners = Corners::new(instance);
         let mut pairing = Pairing { corners, known: BTreeMap::new() };
         let mut pricing = Self { begins: Vec::with_capacity(blocks.len()), seconds: Vec::new() };
@@ -68,16 +68,16 @@ impl Pricing {
     }
 
     /// Seconds of a block with a set of joints.
-    pub(super) fn seconds(&self, block: Block, used: u8) -> f64 {
+    pub(crate) fn seconds(&self, block: Block, used: u8) -> f64 {
         self.seconds[self.begins[block as usize] as usize + used as usize]
     }
 }
 
 /// Moves that leave a cell, by direction.
-pub(super) type Ways = [u8; 4];
+pub(crate) type Ways = [u8; 4];
 
 /// The moves of the walk around a block with a set of joints, per cell.
-pub(super) fn stubs(blocks: &Blocks, block: Block, used: u8) -> Vec<(Cell, Ways)> {
+pub(crate) fn stubs(blocks: &Blocks, block: Block, used: u8) -> Vec<(Cell, Ways)> {
     let own = blocks.cells[block as usize];
     let inner = blocks.inner[block as usize];
     let mut stubs: Vec<(Cell, Ways)> = own.iter().flatten().map(|&cell| (cell, [0; 4])).collect();

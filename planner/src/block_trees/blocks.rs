@@ -16,34 +16,34 @@ use crate::Instance;
 use terrain::{Cell, Direction};
 
 /// Number of a block.
-pub(super) type Block = u32;
+pub(crate) type Block = u32;
 
 /// A pair of blocks that can be joined.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Joint {
+pub(crate) struct Joint {
     /// The other block.
-    pub(super) other: Block,
+    pub(crate) other: Block,
     /// Number of this joint among those of the other block.
-    pub(super) back: u8,
+    pub(crate) back: u8,
     /// Cells on this side; the second one for a parallel joint only.
-    pub(super) own: (Cell, Option<Cell>),
+    pub(crate) own: (Cell, Option<Cell>),
     /// Where the crossings lead.
-    pub(super) side: Direction,
+    pub(crate) side: Direction,
 }
 
 /// All blocks of open, reachable ground.
 #[derive(Debug)]
-pub(super) struct Blocks {
+pub(crate) struct Blocks {
     /// Per block its open cells, by quarter: south-west, south-east, north-east, north-west.
-    pub(super) cells: Vec<[Option<Cell>; 4]>,
+    pub(crate) cells: Vec<[Option<Cell>; 4]>,
     /// Per block: whether the body can move from each quarter to the next one, anticlockwise.
-    pub(super) inner: Vec<[bool; 4]>,
+    pub(crate) inner: Vec<[bool; 4]>,
     /// Per block: whether a cell of it is to be visited.
-    pub(super) needed: Vec<bool>,
+    pub(crate) needed: Vec<bool>,
     /// Per block its joints.
-    pub(super) joints: Vec<Vec<Joint>>,
+    pub(crate) joints: Vec<Vec<Joint>>,
     /// Row-major: the block of each cell; `Block::MAX` for closed ones.
-    pub(super) of_cell: Vec<Block>,
+    pub(crate) of_cell: Vec<Block>,
 }
 
 const fn quarter(cell: Cell) -> usize {
@@ -60,7 +60,7 @@ const fn square(cell: Cell) -> (i32, i32) {
 }
 
 impl Blocks {
-    pub(super) fn new(instance: &Instance<'_>) -> Self {
+    pub(crate) fn new(instance: &Instance<'_>) -> Self {
         let lattice = *instance.floor.lattice();
         let reachable = instance.reachable();
         let mut blocks = Self {
@@ -85,12 +85,12 @@ impl Blocks {
         blocks
     }
 
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.cells.len()
     }
 
     /// The block of a cell.
-    pub(super) fn at(&self, instance: &Instance<'_>, cell: Cell) -> Option<Block> {
+    pub(crate) fn at(&self, instance: &Instance<'_>, cell: Cell) -> Option<Block> {
         let block = self.of_cell[instance.floor.lattice().index(cell)?];
         (block != Block::MAX).then_some(block)
     }

@@ -5,7 +5,7 @@ use terrain::Cell;
 
 /// Leaves out walks that cover nothing that is not covered by others, and where nobody returns, the ends behind the
 /// last cell that is. Each walk is driven in the direction that takes less time. The slowest robots come first.
-pub(super) fn trim(instance: &Instance<'_>, walks: Vec<Vec<Cell>>) -> Vec<Vec<Cell>> {
+pub(crate) fn trim(instance: &Instance<'_>, walks: Vec<Vec<Cell>>) -> Vec<Vec<Cell>> {
     let mut passed = Passed::new(instance, &walks);
     let time_s = |robot: usize, walk: &[Cell]| {
         let points: Vec<_> = walk.iter().map(|&cell| instance.center(cell)).collect();
