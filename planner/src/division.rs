@@ -50,24 +50,10 @@ pub(crate) fn divide_among(
     loops: Vec<Vec<Cell>>,
     takes_part: &[bool],
 ) -> Result<Plan, PlanError> {
-    let lattice = instance.floor.lattice();
-    let component = instance.components();
-    let component_of = |cell: Cell| lattice.index(cell).map_or(u32::MAX, |index| component[index]);
-    let mut pieces: BTreeMap<u32, Vec<Vec<Cell>>> = BTreeMap::new();
-    for cells in loops {
-        pieces.entry(component_of(cells[0])).or_default().push(cells);
-    }
     let mut finder = WayFinder::new(instance);
     let mut routes = vec![Route::default(); instance.starts.len()];
-    for (number, loops) in pieces {
-        let robots: Vec<usize> = (0..routes.len())
-            .filter(|&robot| takes_part[robot] && component_of(instance.starts[robot].cell) == number)
-            .collect();
-        if robots.is_empty() {
-            return Err(PlanError::Unreachable(loops[0][0]));
-        }
-        let team = Team::new(instance, robots);
-        let sequence = lay_out(instance, order_loops(instance, loops, &team.legs), &mut finder)?;
+    for (team, cells) in teams(instance, loops, takes_part)? {
+        let sequence = lay_out(instance, cells, &mut finder)?;
         let mut best: Option<Cut> = None;
         for runs in deal_best(&team, &sequence) {
             let cut = Cut::drive(&team, &sequence, runs, &mut finder)?;
@@ -82,6 +68,37 @@ pub(crate) fn divide_among(
         }
     }
     Ok(Plan { routes })
+}
+
+/// Per connected piece of ground: its robots, and its loops one after another.
+///
+/// # Errors
+///
+/// [`PlanError::Unreachable`] for a piece without a robot.
+pub(crate) fn teams<'a>(
+    instance: &'a Instance<'a>,
+    loops: Vec<Vec<Cell>>,
+    takes_part: &[bool],
+) -> Result<Vec<(Team<'a>, Vec<Cell>)>, PlanError> {
+    let lattice = instance.floor.lattice();
+    let component = instance.components();
+    let component_of = |cell: Cell| lattice.index(cell).map_or(u32::MAX, |index| component[index]);
+    let mut pieces: BTreeMap<u32, Vec<Vec<Cell>>> = BTreeMap::new();
+    for cells in loops {
+        pieces.entry(component_of(cells[0])).or_default().push(cells);
+    }
+    let team = |(number, loops): (u32, Vec<Vec<Cell>>)| {
+        let robots: Vec<usize> = (0..instance.starts.len())
+            .filter(|&robot| takes_part[robot] && component_of(instance.starts[robot].cell) == number)
+            .collect();
+        if robots.is_empty() {
+            return Err(PlanError::Unreachable(loops[0][0]));
+        }
+        let team = Team::new(instance, robots);
+        let ordered = order_loops(instance, loops, &team.legs);
+        Ok((team, ordered.into_iter().flatten().collect()))
+    };
+    pieces.into_iter().map(team).collect()
 }
 
 /// Time of the slowest robot, seconds.
@@ -100,10 +117,12 @@ fn route_s(instance: &Instance<'_>, start: &Start, route: &Route) -> f64 {
 }
 
 /// The robots that share a connected piece of ground, and how far each has to everywhere.
-struct Team<'a> {
+pub(crate) struct Team<'a> {
     instance: &'a Instance<'a>,
-    robots: Vec<usize>,
-    legs: Vec<Vec<u32>>,
+    /// Their numbers.
+    pub(crate) robots: Vec<usize>,
+    /// Per robot, row-major: moves from its start; `u32::MAX` where there is no way.
+    pub(crate) legs: Vec<Vec<u32>>,
 }
 
 impl<'a> Team<'a> {
@@ -150,12 +169,7 @@ fn order_loops(instance: &Instance<'_>, mut loops: Vec<Vec<Cell>>, legs: &[Vec<u
     ordered
 }
 
-fn lay_out(
-    instance: &Instance<'_>,
-    loops: Vec<Vec<Cell>>,
-    finder: &mut WayFinder,
-) -> Result<Sequence, PlanError> {
-    let cells: Vec<Cell> = loops.into_iter().flatten().collect();
+fn lay_out(instance: &Instance<'_>, cells: Vec<Cell>, finder: &mut WayFinder) -> Result<Sequence, PlanError> {
     let mut clock = Vec::with_capacity(cells.len());
     let mut now_s = 0.0;
     let mut heading: Option<(i32, i32)> = None;

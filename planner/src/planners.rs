@@ -2,6 +2,7 @@
 
 mod forest_search;
 mod mfc;
+mod mstc;
 mod mstc_star;
 mod stc;
 mod tmstc_star;
@@ -32,6 +33,13 @@ pub const PLANNERS: &[Planner] = &[
     },
     Planner { name: "mfc", paper: "Zheng, Jain, Koenig and Kempe 2005", is_slow: false, plan: mfc::plan },
     Planner { name: "mstc-star", paper: "Tang, Sun and Zhang 2021", is_slow: false, plan: mstc_star::plan },
+    Planner { name: "mstc", paper: "Hazon and Kaminka 2005", is_slow: false, plan: mstc::plan },
+    Planner {
+        name: "mstc-optimized",
+        paper: "Zheng, Jain, Koenig and Kempe 2005",
+        is_slow: false,
+        plan: mstc::plan_optimized,
+    },
     Planner { name: "stc", paper: "Gabriely and Rimon 2001", is_slow: false, plan: stc::plan },
 ];
 

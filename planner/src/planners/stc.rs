@@ -45,7 +45,7 @@ fn first_of_each_piece(instance: &Instance<'_>) -> Vec<bool> {
 }
 
 /// The forest grown along rows or along columns, whichever has fewer turns.
-fn depth_first_forest(graph: &SpanningGraph) -> Forest {
+pub(super) fn depth_first_forest(graph: &SpanningGraph) -> Forest {
     let along_rows = depth_first(graph, ALONG_ROWS);
     let along_columns = depth_first(graph, ALONG_COLUMNS);
     if along_columns.turns() < along_rows.turns() { along_columns } else { along_rows }
