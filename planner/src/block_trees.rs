@@ -10,12 +10,14 @@ mod blocks;
 mod circuit;
 mod forest;
 mod pricing;
+mod region;
 mod trimming;
 
 pub(crate) use blocks::{Block, Blocks};
 pub(crate) use circuit::Walker;
 pub(crate) use forest::{Forest, Member, ROOT, Tree, up_bit};
 pub(crate) use pricing::Pricing;
+pub(crate) use region::Region;
 
 use crate::{Instance, Plan, PlanError, Route};
 

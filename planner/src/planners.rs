@@ -1,7 +1,9 @@
 //! The table of planners. A new one is one file and one row here.
 
+mod darp;
 mod forest_search;
 mod mfc;
+mod msa_mtsp;
 mod mstc;
 mod mstc_star;
 mod stc;
@@ -39,6 +41,13 @@ pub const PLANNERS: &[Planner] = &[
         paper: "Zheng, Jain, Koenig and Kempe 2005",
         is_slow: false,
         plan: mstc::plan_optimized,
+    },
+    Planner { name: "darp", paper: "Kapoutsis and others 2017", is_slow: true, plan: darp::plan },
+    Planner {
+        name: "msa-mtsp",
+        paper: "Vandermeulen, Groß and Kolling 2019",
+        is_slow: true,
+        plan: msa_mtsp::plan,
     },
     Planner { name: "stc", paper: "Gabriely and Rimon 2001", is_slow: false, plan: stc::plan },
 ];

@@ -43,6 +43,17 @@ impl Forest {
         forest
     }
 
+    /// A whole tree at once: its blocks, the root first, and how they hang together.
+    pub(crate) fn plant(&mut self, pricing: &Pricing, blocks: &[Block], members: &[Member]) {
+        for (&block, &member) in blocks.iter().zip(members) {
+            let before_s =
+                self.member(block, member.tree).map_or(0.0, |old| pricing.seconds(block, old.used));
+            self.cost_s[member.tree as usize] += pricing.seconds(block, member.used) - before_s;
+            self.members[block as usize].retain(|old| old.tree != member.tree);
+            self.members[block as usize].push(member);
+        }
+    }
+
     pub(crate) fn members(&self, block: Block) -> &[Member] {
         &self.members[block as usize]
     }
