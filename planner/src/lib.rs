@@ -133,7 +133,7 @@ fn begin_where_robots_stand(instance: &Instance<'_>, plan: &mut Plan) {
 mod tests {
     use super::*;
     use proptest::prelude::*;
-    use terrain::{Floor, Lattice, MotionModel, Point};
+    use terrain::{Direction, Floor, Lattice, MotionModel, Point};
 
     const MOTION: MotionModel = MotionModel {
         speed_m_per_s: 0.5,
@@ -158,10 +158,17 @@ mod tests {
             comes_back in any::<bool>(),
             repairs in any::<bool>(),
             weighted in any::<bool>(),
+            walls in prop::collection::vec(prop::bool::weighted(0.04), (columns * rows) as usize),
             columns in Just(columns),
             rows in Just(rows),
         ) -> (Floor, Vec<bool>, Vec<bool>, Vec<usize>, [bool; 3]) {
-            (floor(columns, rows, &free), wanted, blocked, starts, [comes_back, repairs, weighted])
+            let mut floor = floor(columns, rows, &free);
+            let lattice = *floor.lattice();
+            for cell in lattice.cells().zip(&walls).filter(|&(_, &wall)| wall).map(|(cell, _)| cell) {
+                floor.close_move(cell, Direction::East);
+                floor.close_move(cell.step(Direction::West), Direction::North);
+            }
+            (floor, wanted, blocked, starts, [comes_back, repairs, weighted])
         }
     }
 
@@ -214,6 +221,34 @@ mod tests {
                 prop_assert!(makespan_s >= bound_s - 1e-6, "{}: {makespan_s} < {bound_s}", planner.name);
                 prop_assert_eq!(&planned, &plan(&instance, &options), "{} is deterministic", planner.name);
             }
+        }
+
+        /// Theorems 2 and 3 of the MFC paper, in moves alone and for robots that all cover: not worse than one
+        /// robot, and at most eight times the best (here: the bound) plus a constant.
+        #[test]
+        fn mfc_keeps_its_guarantees(
+            (floor, _, _, starts, [comes_back, ..]) in mission()
+        ) {
+            let drivable: Vec<usize> = (0..floor.lattice().len()).filter(|&i| floor.is_drivable(i)).collect();
+            prop_assume!(!drivable.is_empty());
+            let places = starts.iter().take(drivable.len()).map(|start| drivable[start % drivable.len()]);
+            let starts = places.map(|index| Start::at(floor.lattice().cell(index))).collect();
+            let moves_only = MotionModel {
+                speed_m_per_s: 0.5,
+                acceleration_m_per_s2: f64::INFINITY,
+                angular_speed_rad_per_s: f64::INFINITY,
+                ..MOTION
+            };
+            let mode = if comes_back { Mode::CoverAndReturn } else { Mode::Cover };
+            let instance = Instance::whole_floor(&floor, starts, moves_only, mode);
+            let by = |name: &str| {
+                let options = PlanOptions { planner: name.to_owned(), ..PlanOptions::default() };
+                plan(&instance, &options).unwrap().figures().makespan_s
+            };
+            let (mfc_moves, stc_moves) = (by("mfc"), by("stc"));
+            prop_assert!(mfc_moves <= stc_moves + 1e-6, "mfc {mfc_moves}, stc {stc_moves}");
+            let bound = lower_bound_s(&instance);
+            prop_assert!(mfc_moves <= 8.0 * bound + 16.0, "mfc {mfc_moves}, bound {bound}");
         }
     }
 }

@@ -132,7 +132,7 @@ impl Moves {
             if let Some((_, [a, b], [c, d])) = self.best_swap(cell, corners, &mut circuits) {
                 self.join(a, b);
                 self.join(c, d);
-                circuits.unite(a, c);
+                circuits.unite(a, b);
             }
         }
     }

@@ -25,8 +25,6 @@ enum Ties {
 /// The spanning trees tried for one unit of effort.
 const TREES: [Ties; 5] =
     [Ties::BreadthFirst(1), Ties::BreadthFirst(16), Ties::BreadthFirst(16), Ties::ByChance, Ties::ByChance];
-/// Bounds tried.
-const BISECTIONS: u32 = 24;
 
 /// An edge of a tree, from the root away.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,7 +73,10 @@ impl<'a> Search<'a> {
         // With this bound everything is left over at the roots.
         let mut best = self.cover(trees, 2.0 * all + 1.0).expect("leftovers need no match");
         let (mut low, mut high) = (heaviest.min(all), 2.0 * all + 1.0);
-        for _ in 0..BISECTIONS {
+        let lightest =
+            trees.iter().flatten().map(|edge| edge.weight).filter(|&w| w > 0.0).fold(all, f64::min);
+        // Closer bounds than half an edge seldom split otherwise.
+        while high - low > lightest.max(1e-6 * all) / 2.0 {
             let bound = f64::midpoint(low, high);
             match self.cover(trees, bound) {
                 Some(found) => {
