@@ -270,7 +270,7 @@ impl World {
             let radius_m = self.body_radius_m();
             let seen = |body: &Body| SeenRobot {
                 position: body.position(),
-                room_m: 0.15 + body.stopping_m() + 0.5 * body.speed_m_per_s.abs(),
+                room_m: 0.3 + body.stopping_m() + 0.5 * body.speed_m_per_s.abs(),
                 body_radius_m: radius_m,
             };
             let robots = self.bodies.iter().enumerate().filter(|(_, body)| body.on_floor);
