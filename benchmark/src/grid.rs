@@ -22,10 +22,36 @@ struct Reference {
     ls_makespan: Option<String>,
 }
 
+/// The core instances, one by one.
 pub(crate) fn run(options: &Options, progress: Progress<'_>) -> Result<Vec<Table>, BenchmarkError> {
     let folder = options.instances.join("grid");
     let path = folder.join("reference.csv");
     let references: Vec<Reference> = csv_rows(&path, &read(&path)?)?;
+    let (mut summary, table) = measure(options, &folder, &references, progress)?;
+    summary.note.push_str(" Rows are in the table below.");
+    Ok(vec![summary, table])
+}
+
+/// All others: too many for rows in a document.
+pub(crate) fn run_extended(options: &Options, progress: Progress<'_>) -> Result<Vec<Table>, BenchmarkError> {
+    let mut tables = Vec::new();
+    for folder in ["extended", "fig6"] {
+        let (mut summary, table) =
+            measure(options, &options.instances.join("grid").join(folder), &[], progress)?;
+        summary.name = format!("grid_{folder}_summary");
+        summary.title = format!("Grid instances, `{folder}`, in short");
+        tables.push(summary);
+    }
+    Ok(tables)
+}
+
+/// A summary, and a row for each instance and planner of a folder.
+fn measure(
+    options: &Options,
+    folder: &Path,
+    references: &[Reference],
+    progress: Progress<'_>,
+) -> Result<(Table, Table), BenchmarkError> {
     let mut table = Table::new(
         "grid",
         "Grid instances",
@@ -33,8 +59,8 @@ pub(crate) fn run(options: &Options, progress: Progress<'_>) -> Result<Vec<Table
          larger. Best known: the smallest that is known from any program. LS: LS-MCPP as measured for the reference.",
         &["instance", "cells", "k", "planner", "makespan", "÷ bound", "÷ best known", "LS", "CPU s"],
     );
-    let mut ratios: Vec<(&'static str, f64, Option<f64>)> = Vec::new();
-    for file in json_files(&folder)? {
+    let mut ratios: Vec<Ratios> = Vec::new();
+    for file in json_files(folder)? {
         let task = grid_instances::load(&file)?;
         let cells = (0..task.floor.lattice().len()).filter(|&index| task.floor.is_drivable(index)).count();
         if options.quick && cells > QUICK_CELLS {
@@ -55,8 +81,14 @@ pub(crate) fn run(options: &Options, progress: Progress<'_>) -> Result<Vec<Table
             let tail = match task.plan(planner.name, options.effort) {
                 Ok(made) => {
                     let makespan = made.makespan_s();
-                    ratios.push((planner.name, makespan / bound, best.map(|best| makespan / best)));
-                    let to_best = best.map(|best| ratio(makespan / best)).unwrap_or_default();
+                    let to_best = best.map(|best| makespan / best);
+                    ratios.push(Ratios {
+                        planner: planner.name,
+                        to_bound: makespan / bound,
+                        to_best,
+                        cpu_s: made.cpu_s,
+                    });
+                    let to_best = to_best.map(ratio).unwrap_or_default();
                     [tenths(makespan), ratio(makespan / bound), to_best, ls.clone(), ratio(made.cpu_s)]
                 }
                 Err(PlanError::Unsupported { reason, .. }) => {
@@ -67,22 +99,39 @@ pub(crate) fn run(options: &Options, progress: Progress<'_>) -> Result<Vec<Table
             table.push([&head[..], &tail].concat());
         }
     }
-    Ok(vec![summary(&ratios), table])
+    Ok((summary(&ratios), table))
 }
 
-fn summary(ratios: &[(&'static str, f64, Option<f64>)]) -> Table {
+/// One plan, compared.
+struct Ratios {
+    planner: &'static str,
+    to_bound: f64,
+    to_best: Option<f64>,
+    cpu_s: f64,
+}
+
+fn summary(ratios: &[Ratios]) -> Table {
     let mut table = Table::new(
         "grid_summary",
         "Grid instances in short",
-        "Means over the rows below that a planner did not refuse.",
-        &["planner", "instances", "mean ÷ bound", "mean ÷ best known"],
+        "Means over the instances that a planner did not refuse; their CPU seconds together.",
+        &["planner", "instances", "mean ÷ bound", "mean ÷ best known", "CPU s"],
     );
     for planner in PLANNERS {
-        let own: Vec<_> = ratios.iter().filter(|row| row.0 == planner.name).collect();
-        let to_bound: Vec<f64> = own.iter().map(|row| row.1).collect();
-        let to_best: Vec<f64> = own.iter().filter_map(|row| row.2).collect();
-        let means = [ratio(mean(&to_bound)), ratio(mean(&to_best))];
-        table.push([&[planner.name.to_owned(), own.len().to_string()][..], &means].concat());
+        let own: Vec<&Ratios> = ratios.iter().filter(|row| row.planner == planner.name).collect();
+        if own.is_empty() {
+            continue;
+        }
+        let to_bound: Vec<f64> = own.iter().map(|row| row.to_bound).collect();
+        let to_best: Vec<f64> = own.iter().filter_map(|row| row.to_best).collect();
+        let cpu_s: f64 = own.iter().map(|row| row.cpu_s).sum();
+        table.push(vec![
+            planner.name.to_owned(),
+            own.len().to_string(),
+            ratio(mean(&to_bound)),
+            if to_best.is_empty() { String::new() } else { ratio(mean(&to_best)) },
+            tenths(cpu_s),
+        ]);
     }
     table
 }

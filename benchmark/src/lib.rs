@@ -52,6 +52,11 @@ pub struct Benchmark {
 /// Every benchmark.
 pub const BENCHMARKS: &[Benchmark] = &[
     Benchmark { name: "tmstc", about: "Tables II and III of Lu and others 2023 (TMSTC*)", run: tmstc::run },
+    Benchmark {
+        name: "grid-extended",
+        about: "258 more of these, and those of Fig. 6, in short",
+        run: grid::run_extended,
+    },
     Benchmark { name: "mfc", about: "Fig. 6 of Zheng and others 2005 (MFC)", run: mfc::run },
     Benchmark { name: "growth", about: "planning time by size of the floor", run: growth::run },
     Benchmark {
