@@ -1,5 +1,6 @@
 //! `oxplow bench`: the planners on the instances of the papers, side by side with the printed figures.
 
+use crate::say::say;
 use anyhow::{Context as _, Result, bail};
 use benchmark::{BENCHMARKS, Benchmark, Options, Table};
 use clap::{Args, builder::PossibleValuesParser};
@@ -59,7 +60,7 @@ pub fn run(args: &BenchArgs) -> Result<ExitCode> {
     bar.finish_and_clear();
     let tables = tables?;
     for table in &tables {
-        println!("{}", table.markdown());
+        say!("{}", table.markdown());
     }
     if let Some(folder) = &args.out {
         write_files(folder, &tables)?;

@@ -1,5 +1,6 @@
 //! `oxplow demo`: the front door. A fleet covers a real floor, loses a robot, finds a way blocked, and finishes.
 
+use crate::say::say;
 use crate::up::{self, UpArgs};
 use anyhow::{Context, Result};
 use clap::Args;
@@ -46,7 +47,7 @@ pub fn run(args: &DemoArgs) -> Result<ExitCode> {
     up::print_report(&report, false, &out);
     let log = out.join("run.mcap");
     let verdict = console::verify_log(&log).with_context(|| log.display().to_string())?;
-    println!("\nRecounted from the log alone (oxplow verify {}):\n{verdict}", log.display());
+    say!("\nRecounted from the log alone (oxplow verify {}):\n{verdict}", log.display());
     let agrees = verdict.exit_code() == 0;
     Ok(if agrees { up::exit_code(&report) } else { ExitCode::from(verdict.exit_code()) })
 }

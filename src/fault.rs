@@ -1,6 +1,7 @@
 //! `oxplow fault KIND …`: something goes wrong in a running simulation.
 
 use crate::fleet::FleetArgs;
+use crate::say::say;
 use ::sim::Fault;
 use anyhow::{Result, bail};
 use clap::Args;
@@ -36,7 +37,7 @@ pub fn run(args: &FaultArgs) -> Result<ExitCode> {
     if !reply.accepted {
         bail!("refused: {}", reply.reason);
     }
-    println!("{} will happen now", args.kind);
+    say!("{} will happen now", args.kind);
     Ok(ExitCode::SUCCESS)
 }
 

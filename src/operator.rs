@@ -1,5 +1,6 @@
 //! `oxplow status`, `pause`, `resume`, `cancel`: a person and a running fleet.
 
+use crate::say::say;
 use crate::{fleet::FleetArgs, status};
 use anyhow::{Result, bail};
 use clap::Args;
@@ -37,6 +38,6 @@ pub fn command(args: &FleetArgs, verb: v1::Verb) -> Result<ExitCode> {
     if !reply.accepted {
         bail!("refused: {}", reply.reason);
     }
-    println!("{}", reply.reason);
+    say!("{}", reply.reason);
     Ok(ExitCode::SUCCESS)
 }

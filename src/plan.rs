@@ -4,6 +4,7 @@ mod picture;
 mod report;
 mod task;
 
+use crate::say::say;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use planner::{PlanOptions, VerifiedPlan};
@@ -118,9 +119,9 @@ pub fn run(args: &PlanArgs) -> Result<ExitCode> {
         std::fs::write(path, drawn).with_context(|| format!("{}: cannot be written", path.display()))?;
     }
     if args.json {
-        println!("{}", serde_json::to_string_pretty(&report)?);
+        say!("{}", serde_json::to_string_pretty(&report)?);
     } else {
-        println!("{report}");
+        say!("{report}");
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -1,5 +1,6 @@
 //! `oxplow status`: how a running fleet stands.
 
+use crate::say::say;
 use clap::Args;
 use protocol::v1;
 use std::io::IsTerminal;
@@ -24,9 +25,9 @@ pub fn run(
 ) -> anyhow::Result<ExitCode> {
     let status = ask()?;
     if args.json {
-        println!("{}", console::StatusReport::new(&status).to_json());
+        say!("{}", console::StatusReport::new(&status).to_json());
     } else {
-        println!("{}", console::status_text(&status, wants_colour()));
+        say!("{}", console::status_text(&status, wants_colour()));
     }
     Ok(ExitCode::SUCCESS)
 }

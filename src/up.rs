@@ -1,5 +1,6 @@
 //! `oxplow up`: sim, coordinator and agents as child processes of this one.
 
+use crate::say::say;
 use crate::{fleet, stop, summary::Report};
 use ::sim::Scenario;
 use anyhow::{Context, Result, bail};
@@ -77,12 +78,12 @@ pub fn exit_code(report: &Report) -> ExitCode {
 /// Prints the end of a run, and where its files are.
 pub fn print_report(report: &Report, json: bool, out: &Path) {
     if json {
-        println!("{}", report.to_json());
+        say!("{}", report.to_json());
         return;
     }
-    println!("\n{report}");
-    println!("log          {}", out.join("run.mcap").display());
-    println!("picture      {}", out.join("coverage.svg").display());
+    say!("\n{report}");
+    say!("log          {}", out.join("run.mcap").display());
+    say!("picture      {}", out.join("coverage.svg").display());
 }
 
 /// Where a run goes when nothing is said: a folder of its own for each.

@@ -1,5 +1,6 @@
 //! `oxplow verify RUN.mcap`: what truly happened, against what was claimed.
 
+use crate::say::say;
 use anyhow::Context;
 use clap::Args;
 use std::path::PathBuf;
@@ -32,9 +33,9 @@ pub fn run(args: &VerifyArgs) -> anyhow::Result<ExitCode> {
         std::fs::write(path, svg).with_context(|| format!("{}: cannot be written", path.display()))?;
     }
     if args.json {
-        println!("{}", verdict.to_json());
+        say!("{}", verdict.to_json());
     } else {
-        println!("{verdict}");
+        say!("{verdict}");
     }
     Ok(ExitCode::from(verdict.exit_code()))
 }

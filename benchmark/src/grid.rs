@@ -36,8 +36,7 @@ pub(crate) fn run(options: &Options, progress: Progress<'_>) -> Result<Vec<Table
 pub(crate) fn run_extended(options: &Options, progress: Progress<'_>) -> Result<Vec<Table>, BenchmarkError> {
     let mut tables = Vec::new();
     for folder in ["extended", "fig6"] {
-        let (mut summary, table) =
-            measure(options, &options.instances.join("grid").join(folder), &[], progress)?;
+        let (mut summary, _) = measure(options, &options.instances.join("grid").join(folder), &[], progress)?;
         summary.name = format!("grid_{folder}_summary");
         summary.title = format!("Grid instances, `{folder}`, in short");
         tables.push(summary);
