@@ -21,6 +21,7 @@
 
 mod cover;
 mod matching;
+mod reach;
 mod splitting;
 
 use super::stc;

@@ -2,6 +2,7 @@
 
 use super::{
     matching::{Offer, assign},
+    reach::Reach,
     splitting::{Piece, split},
 };
 use crate::{
@@ -22,6 +23,8 @@ enum Ties {
     BreadthFirst(u64),
 }
 
+/// Beyond so many blocks one spanning tree has to do, and fewer bounds.
+const LARGE: usize = 20_000;
 /// The spanning trees tried for one unit of effort.
 const TREES: [Ties; 5] =
     [Ties::BreadthFirst(1), Ties::BreadthFirst(16), Ties::BreadthFirst(16), Ties::ByChance, Ties::ByChance];
@@ -38,7 +41,7 @@ pub(super) struct Edge {
 
 /// Looks for the best cover.
 pub(super) struct Search<'a> {
-    blocks: &'a Blocks,
+    pub(super) blocks: &'a Blocks,
     pricing: &'a Pricing,
     roots: &'a [Block],
     delays_s: Vec<f64>,
@@ -61,7 +64,8 @@ impl<'a> Search<'a> {
     /// The cover whose slowest walk takes the least time, of all that the bisections on the bound find.
     pub(super) fn best_cover(&self, effort: u32, seed: u64) -> Forest {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let tries = (0..effort.max(1)).flat_map(|_| TREES);
+        let trees = if self.blocks.len() > LARGE { &TREES[..1] } else { &TREES[..] };
+        let tries = (0..effort.max(1)).flat_map(|_| trees.iter().copied());
         let covers = tries.map(|ties| self.best_cover_of(&self.spanning_trees(ties, &mut rng)));
         let best = covers.min_by(|a, b| a.makespan_s().total_cmp(&b.makespan_s()));
         best.expect("at least one tree is tried")
@@ -76,7 +80,10 @@ impl<'a> Search<'a> {
         let lightest =
             trees.iter().flatten().map(|edge| edge.weight).filter(|&w| w > 0.0).fold(all, f64::min);
         // Closer bounds than half an edge seldom split otherwise.
-        while high - low > lightest.max(1e-6 * all) / 2.0 {
+        let close = lightest.max(1e-6 * all) / 2.0;
+        let close =
+            if self.blocks.len() > LARGE { close.max(1e-3 * all / self.roots.len() as f64) } else { close };
+        while high - low > close {
             let bound = f64::midpoint(low, high);
             match self.cover(trees, bound) {
                 Some(found) => {
@@ -92,7 +99,7 @@ impl<'a> Search<'a> {
     }
 
     /// What a block adds to the walk around a tree when it is hung below another one, seconds; never below 0.
-    fn weight(&self, upper: Block, joint: u8) -> f64 {
+    pub(super) fn weight(&self, upper: Block, joint: u8) -> f64 {
         let link = self.blocks.joints[upper as usize][joint as usize];
         let joined_s =
             self.pricing.seconds(upper, 1 << joint) + self.pricing.seconds(link.other, 1 << link.back);
@@ -157,8 +164,9 @@ impl<'a> Search<'a> {
         }
         let mut offers = Vec::new();
         let mut paths: BTreeMap<(usize, usize), Vec<Edge>> = BTreeMap::new();
+        let mut reach = Reach::new(self, &subtrees);
         for (robot, leftover) in leftovers.iter().enumerate() {
-            for (subtree, path) in self.paths(leftover, &subtrees, bound) {
+            for (subtree, path) in reach.paths(leftover, bound) {
                 let path_weight: f64 = path.iter().map(|edge| edge.weight).sum();
                 let weight = leftover.weight + path_weight + subtrees[subtree].weight + self.delays_s[robot];
                 offers.push(Offer { subtree, robot, weight });
@@ -172,46 +180,6 @@ impl<'a> Search<'a> {
             own[robot].extend(&subtrees[subtree].edges);
         }
         Some(self.forest(&own))
-    }
-
-    /// Cheapest paths of weight `bound` at most from a leftover to each subtree within reach.
-    fn paths(&self, leftover: &Piece, subtrees: &[Piece], bound: f64) -> Vec<(usize, Vec<Edge>)> {
-        let mut reached: Vec<Option<(f64, Option<Edge>)>> = vec![None; self.blocks.len()];
-        let mut heap = BinaryHeap::new();
-        for block in leftover.blocks() {
-            reached[block as usize] = Some((0.0, None));
-            heap.push(Reverse((0_u64, block)));
-        }
-        while let Some(Reverse((bits, upper))) = heap.pop() {
-            let so_far = f64::from_bits(bits);
-            if reached[upper as usize].is_some_and(|(known, _)| known < so_far) {
-                continue;
-            }
-            for joint in 0..self.blocks.joints[upper as usize].len() as u8 {
-                let lower = self.blocks.joints[upper as usize][joint as usize].other;
-                let weight = self.weight(upper, joint);
-                let far = so_far + weight;
-                if far <= bound && reached[lower as usize].is_none_or(|(known, _)| far < known) {
-                    reached[lower as usize] = Some((far, Some(Edge { upper, lower, joint, weight })));
-                    heap.push(Reverse((far.to_bits(), lower)));
-                }
-            }
-        }
-        let mut paths = Vec::new();
-        for (number, subtree) in subtrees.iter().enumerate() {
-            let near = subtree
-                .blocks()
-                .filter_map(|block| Some((reached[block as usize]?.0, block)))
-                .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-            let Some((_, mut at)) = near else { continue };
-            let mut path = Vec::new();
-            while let Some((_, Some(edge))) = reached[at as usize] {
-                path.push(edge);
-                at = edge.upper;
-            }
-            paths.push((number, path));
-        }
-        paths
     }
 
     /// A tree for each robot over the blocks that its edges join; edges that would close a cycle are left out.
