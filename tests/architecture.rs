@@ -53,6 +53,12 @@ fn planner_knows_only_terrain() {
 }
 
 #[test]
+fn benchmark_runs_planners_and_no_fleet() {
+    assert_knows_none_of("benchmark", IO_CRATES);
+    assert_knows_none_of("benchmark", &["protocol", "coordinator", "agent", "sim", "console", "oxplow"]);
+}
+
+#[test]
 fn protocol_is_data_only() {
     assert_knows_none_of("protocol", IO_CRATES);
     assert_knows_none_of(

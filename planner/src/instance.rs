@@ -326,3 +326,65 @@ fn check_motion(motion: &MotionModel) -> Result<(), InstanceError> {
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{PlanError, PlanOptions, plan};
+    use terrain::Lattice;
+
+    const MOTION: MotionModel = MotionModel {
+        speed_m_per_s: 0.5,
+        acceleration_m_per_s2: 0.6,
+        angular_speed_rad_per_s: 0.8,
+        angular_acceleration_rad_per_s2: f64::INFINITY,
+        brakes: true,
+    };
+
+    /// Three cells in a row, the last one blocked: what is said of an instance on them.
+    fn refused(tool_width_m: f64, change: impl FnOnce(&mut Instance<'_>)) -> PlanError {
+        let lattice = Lattice { origin: Point::origin(), cell_m: 0.5, columns: 3, rows: 1 };
+        let floor = Floor::from_cells(lattice, &[true, true, false], 0.177, tool_width_m);
+        let starts = vec![Start::at(Cell::new(0, 0))];
+        let mut instance = Instance::whole_floor(&floor, starts, MOTION, Mode::Cover);
+        change(&mut instance);
+        plan(&instance, &PlanOptions::default()).unwrap_err()
+    }
+
+    #[test]
+    fn bad_input_is_refused_by_robot_cell_or_move() {
+        let start = |x| Start::at(Cell::new(x, 0));
+        let weights = |value: f64| Some(EdgeWeights { right: vec![value; 3], up: vec![1.0; 3] });
+        let said = [
+            refused(0.5, |instance| instance.visit.fill(false)),
+            refused(0.5, |instance| instance.starts[0] = start(2)),
+            refused(0.5, |instance| instance.starts = vec![start(0), start(1), start(1)]),
+            refused(0.0, |_| ()),
+            refused(f64::NAN, |_| ()),
+            refused(0.5, |instance| instance.weights = weights(0.0)),
+            refused(0.5, |instance| instance.weights = weights(-1.0)),
+            refused(0.5, |instance| instance.weights = weights(f64::NAN)),
+            refused(0.5, |instance| instance.blocked[1] = true),
+            refused(0.5, |instance| instance.starts.clear()),
+            refused(0.5, |instance| instance.motion.speed_m_per_s = f64::NAN),
+            refused(0.5, |instance| instance.starts[0].point = Some(Point::new(0.7, 0.2))),
+        ];
+        let words = [
+            "there is no cell to cover",
+            "robot 0 starts in cell (2, 0), where its body does not fit",
+            "robot 2 is one too many: there are only 2 cells in which a robot can stand",
+            "the tool is 0 m wide",
+            "the tool is NaN m wide",
+            "the weight of the move from cell (0, 0) to (1, 0) is 0",
+            "the weight of the move from cell (0, 0) to (1, 0) is -1",
+            "the weight of the move from cell (0, 0) to (1, 0) is NaN",
+            "cell (1, 0) cannot be reached by any robot",
+            "there is no robot",
+            "`speed_m_per_s` of the motion model is not a number above 0",
+            "robot 0 stands at {0.7, 0.2}, which is not in its cell (0, 0)",
+        ];
+        for (said, words) in said.iter().zip(words) {
+            assert!(said.to_string().starts_with(words), "{said}");
+        }
+    }
+}
