@@ -127,6 +127,14 @@ impl Body {
         self.speed_m_per_s * self.speed_m_per_s / (2.0 * self.limits.acceleration_m_per_s2)
     }
 
+    /// Where it drives to: a vector of length 1, zero when it stands.
+    pub(crate) fn direction_of_motion(&self) -> Vector {
+        if self.speed_m_per_s.abs() < 0.02 {
+            return Vector::zeros();
+        }
+        self.pose.rotation * Vector::new(self.speed_m_per_s.signum(), 0.0)
+    }
+
     /// Turns the wheels for one step; where the body would go is in [`Self::way`].
     pub(crate) fn turn_wheels(&mut self, now: Timestamp, step_s: f64, watchdog: Duration) {
         let asked =

@@ -15,6 +15,8 @@ use terrain::{GridMap, Point, Segment, Vector};
 pub(crate) const PERSON_RADIUS_M: f64 = 0.25;
 /// A person who finds the way taken waits so long, then goes elsewhere.
 const PATIENCE: Duration = Duration::from_secs(3);
+/// Somebody who looks keeps so far from the way of a robot, metres.
+const ASIDE_M: f64 = 0.1;
 /// Standing still between two walks.
 const REST: Duration = Duration::from_secs(1);
 
@@ -47,9 +49,20 @@ pub(crate) struct SeenRobot {
     /// Body, and what it needs to stop.
     pub(crate) room_m: f64,
     pub(crate) body_radius_m: f64,
+    /// Direction in which it drives, of length 1; zero when it stands.
+    pub(crate) ahead: Vector,
 }
 
 impl SeenRobot {
+    /// Whether a step leads into the way ahead of it.
+    fn is_cut_off_by(&self, from: Point, to: Point) -> bool {
+        let aside_m = |at: Point| self.ahead.perp(&(at - self.position)).abs();
+        let ahead_m = self.ahead.dot(&(to - self.position));
+        let near_m = self.body_radius_m + PERSON_RADIUS_M;
+        let in_front = ahead_m > 0.0 && ahead_m < near_m + self.room_m;
+        in_front && aside_m(to) < near_m + ASIDE_M && aside_m(to) < aside_m(from)
+    }
+
     fn gap_m(&self, person: Point) -> f64 {
         (person - self.position).norm() - self.body_radius_m - PERSON_RADIUS_M
     }
@@ -97,7 +110,8 @@ impl Person {
                 self.give_up(now);
                 return Some(number);
             }
-            in_the_way |= nearer && !self.careless && after_m < robot.room_m;
+            let steps_in = nearer && after_m < robot.room_m || robot.is_cut_off_by(self.position, next);
+            in_the_way |= steps_in && !self.careless;
         }
         self.walk_or_wait(now, next, in_the_way);
         None
@@ -158,7 +172,7 @@ mod tests {
     }
 
     fn walk(person: &mut Person, robot: Point, seconds: u64) -> Option<usize> {
-        let seen = SeenRobot { position: robot, room_m: 0.4, body_radius_m: 0.2 };
+        let seen = SeenRobot { position: robot, room_m: 0.4, body_radius_m: 0.2, ahead: Vector::zeros() };
         (0..seconds * 50).find_map(|tick| {
             let now = Timestamp::from_nanos(tick * 20_000_000);
             person.step(now, 0.02, &hall(), [(0, seen)].into_iter())
@@ -181,5 +195,22 @@ mod tests {
         assert_eq!(walk(&mut looks, robot, 300), None);
         looks.goal = robot;
         assert_eq!(walk(&mut careless, robot, 900), Some(0));
+    }
+
+    #[test]
+    fn one_who_looks_does_not_cut_a_robot_off() {
+        let robot = SeenRobot {
+            position: Point::new(2.0, 2.0),
+            room_m: 1.0,
+            body_radius_m: 0.2,
+            ahead: Vector::new(1.0, 0.0),
+        };
+        let step = |x, y| (Point::new(x, y), Point::new(x + 0.01, y - 0.005));
+        let cuts_off = |(from, to)| robot.is_cut_off_by(from, to);
+        assert!(cuts_off(step(3.0, 2.5)));
+        assert!(!cuts_off(step(3.0, 2.8)), "far enough aside");
+        assert!(!cuts_off(step(3.6, 2.5)), "far enough ahead");
+        assert!(!cuts_off(step(1.9, 2.5)), "behind");
+        assert!(!cuts_off(step(3.0, 1.8)), "on the way out");
     }
 }

@@ -272,6 +272,7 @@ impl World {
                 position: body.position(),
                 room_m: 0.3 + body.stopping_m() + 0.5 * body.speed_m_per_s.abs(),
                 body_radius_m: radius_m,
+                ahead: body.direction_of_motion(),
             };
             let robots = self.bodies.iter().enumerate().filter(|(_, body)| body.on_floor);
             let robots = robots.map(|(robot, body)| (robot, seen(body)));
