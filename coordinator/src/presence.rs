@@ -27,6 +27,8 @@ use terrain::{Cell, Point, Segment, angle_between};
 const CLOCK_RATE_ERROR: f64 = 0.01;
 /// Handling of a reply, and stopping, on top of the lease.
 const LEASE_MARGIN: Duration = Duration::from_millis(700);
+/// A robot that moves but passes no place of its route for so long is stuck, seconds.
+const NOWHERE_S: f64 = 30.0;
 /// A stuck robot is tried again after this, and so often; the wait doubles each time.
 const TRY_AGAIN_S: u64 = 10;
 pub(crate) const TRIES_MAX: u32 = 4;
@@ -184,6 +186,7 @@ impl Coordinator {
         robot.phase = Phase::Ready;
         robot.stuck = false;
         robot.moved_at = now;
+        robot.passed_at = now;
         robot.home.get_or_insert(position);
         if !matches!(robot.errand, Errand::Cover) {
             self.forget_errand(index);
@@ -255,6 +258,7 @@ impl Coordinator {
 
     fn take_progress(&mut self, now: Timestamp, index: RobotIndex) {
         let robot = &mut self.robots[index];
+        let passed = robot.route.passed();
         let Some(state) = robot.state.as_ref() else { return };
         if state.order_id == robot.route.order_id() && robot.route.order_id() != 0 {
             let reached = state.last_node_sequence_id;
@@ -263,6 +267,9 @@ impl Coordinator {
         }
         if now >= robot.retiring_until {
             robot.retiring.clear();
+        }
+        if robot.route.passed() != passed {
+            robot.passed_at = now;
         }
         let Some(pose) = state.pose else { return };
         let moved = (pose.x_m - robot.moved_from.x_m).hypot(pose.y_m - robot.moved_from.y_m) > 0.05
@@ -391,10 +398,18 @@ impl Coordinator {
             return;
         }
         if waits || robot.stands_at_base_end() {
+            self.robots[index].passed_at = now;
             return;
         }
-        if still_s > self.config.timing.stuck_after_s || (says_stuck && still_s > 3.0) {
-            let text = format!("has not moved for {still_s:.1} s on free ground");
+        // Wheels that slip make a pose wander to and fro: it moves, and gets nowhere.
+        let nowhere_s = now.secs_since(robot.passed_at);
+        let stays = still_s > self.config.timing.stuck_after_s || (says_stuck && still_s > 3.0);
+        if stays || nowhere_s > NOWHERE_S {
+            let text = if stays {
+                format!("has not moved for {still_s:.1} s on free ground")
+            } else {
+                format!("has passed no place of its route for {nowhere_s:.0} s on free ground")
+            };
             self.forget_errand(index);
             self.restart_route(now, index);
             let robot = &mut self.robots[index];
@@ -414,6 +429,7 @@ impl Coordinator {
         robot.tries += 1;
         robot.stuck = false;
         robot.moved_at = now;
+        robot.passed_at = now;
         self.idle_checks.new_ground();
         self.need_plan(now, Cause::of(ReplanCause::CauseRobotJoined, index, "is tried again"));
     }

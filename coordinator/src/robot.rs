@@ -102,6 +102,8 @@ pub(crate) struct Robot {
     pub(crate) yielded: Vec<Timestamp>,
     pub(crate) obstacle_since: Option<Timestamp>,
     pub(crate) moved_at: Timestamp,
+    /// When it last passed a place of its route, or had none to go to.
+    pub(crate) passed_at: Timestamp,
     pub(crate) moved_from: v1::Pose,
     pub(crate) uncharged_since: Option<Timestamp>,
     pub(crate) sweep_sequence: u64,
@@ -143,6 +145,7 @@ impl Robot {
             yielded: Vec::new(),
             obstacle_since: None,
             moved_at: Timestamp::ZERO,
+            passed_at: Timestamp::ZERO,
             moved_from: v1::Pose::default(),
             uncharged_since: None,
             sweep_sequence: 0,
