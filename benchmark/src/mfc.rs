@@ -64,7 +64,8 @@ pub(crate) fn run(options: &Options, progress: Progress<'_>) -> Result<Vec<Table
         "Fig. 6: time of the slowest robot ÷ ideal time",
         &format!(
             "One per move, no turns. Ideal: cells ÷ robots − 1. Means over {SEEDS} random terrains and starts a row ({} for `forest-search`, {QUICK_SEEDS} in a quick run); the \
-             paper's ratio in brackets. The layout of the indoor terrain is a guess. CPU: mean user seconds of one plan.",
+             paper's ratio in brackets. The layout of the indoor terrain is a guess; `mstc` divides the \
+             gaps between robots better than the paper's baseline, so it is no reproduction of it. CPU: mean user seconds of one plan.",
             SEEDS / 20
         ),
         &[

@@ -7,7 +7,7 @@
 //! most B away (`mfc/matching.rs`). Bisect on B. Each robot drives around leftover, subtree and the path between them.
 //! **Guarantee.** The heaviest tree weighs at most four times the lightest possible, so the time in moves is at most eight times
 //! the best one plus a constant (theorem 3). Never worse than `stc` (theorem 2).
-//! **Complexity.** O(log(n w)) bounds, each O(n log n) for the trees and O(k n) for distances within B, and a matching of at
+//! **Complexity.** O(log(n w)) bounds, each O(n log n) for the trees and O(k n log n) for distances within B, and a matching of at
 //! most k subtrees per probe of the second improvement.
 //! **Paper.** X. Zheng, S. Jain, S. Koenig, D. Kempe: Multi-robot forest coverage. IEEE/RSJ International Conference on Intelligent
 //! Robots and Systems (IROS), 2005; the cover is by G. Even, N. Garg, J. Könemann, R. Ravi, A. Sinha: Min-max tree covers of
