@@ -66,7 +66,7 @@ impl Piece {
     /// The time at which the robots together can have done all the work.
     ///
     /// A robot that never moves covers its start for nothing: it takes some work off, and itself. Where there is
-    /// enough work, that makes the others later; else starts are left out.
+    /// enough work for robots that begin at once, that makes the others later; else starts are left out.
     fn shared_s(&self, instance: &Instance<'_>) -> f64 {
         let starts: BTreeSet<usize> = self
             .robots
@@ -81,7 +81,8 @@ impl Piece {
         let work_s = self.moves_s(instance) + self.turns_s(instance);
         let cheapest_s = starts.iter().map(|&index| cheapest_move_s(instance, index));
         let saved_s = 2.0 * cheapest_s.filter(|s| s.is_finite()).fold(0.0, f64::max) + ramps_s(instance);
-        if work_s >= self.robots.len() as f64 * saved_s {
+        let at_once = self.robots.iter().all(|&robot| instance.starts[robot].available_in_s == 0.0);
+        if at_once && work_s >= self.robots.len() as f64 * saved_s {
             return self.done_s(instance, work_s);
         }
         self.done_s(instance, rest.moves_s(instance) + rest.turns_s(instance))
