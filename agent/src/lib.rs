@@ -5,6 +5,7 @@
 
 mod agent;
 mod base;
+mod bend;
 #[cfg(feature = "driver")]
 pub mod driver;
 mod lease;

@@ -1,4 +1,5 @@
-//! Follows a grid path: straight runs with a trapezoidal speed profile, turns in place between them.
+//! Follows a line of points: straight runs with a trapezoidal speed profile, gentle bends without stopping, turns in
+//! place at corners.
 //!
 //! ```text
 //!   speed │   ╭────────────╮         each tick asks for the highest speed from which the robot can
@@ -8,17 +9,18 @@
 //! ```
 //!
 //! A run goes over all nodes of the base that lie on one line, so a robot only slows down at corners and at the
-//! end of its base. While driving, a small turning speed draws it back to the line.
+//! end of its base. While driving, a small turning speed draws it back to the line. Where the base bends gently the
+//! run becomes a bend (see `bend.rs`) without a stop.
 
-use crate::{localisation::Place, order_book::OrderBook};
+use crate::{bend::Bend, localisation::Place, order_book::OrderBook};
 use terrain::{MotionModel, Point, Vector, angle_between};
 
 /// Time between two setpoints, seconds.
-const TICK_S: f64 = 0.02;
+pub(crate) const TICK_S: f64 = 0.02;
 /// A node counts as reached within this, metres.
-const REACHED_M: f64 = 0.008;
+pub(crate) const REACHED_M: f64 = 0.008;
 /// Below this speed a robot that is near enough stands, m/s.
-const CREEP_M_PER_S: f64 = 0.03;
+pub(crate) const CREEP_M_PER_S: f64 = 0.03;
 /// Headings nearer than this need no turn in place, radians.
 const STRAIGHT_RAD: f64 = 0.03;
 /// A turn in place is done within this, radians.
@@ -39,7 +41,7 @@ pub(crate) struct Command {
     pub(crate) run_m: f64,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 enum Motion {
     /// Stands, or is to stand.
     #[default]
@@ -48,6 +50,8 @@ enum Motion {
     Turn(f64),
     /// Drives along a line, from a point in a direction.
     Run { from: Point, along: Vector },
+    /// Drives along a line that bends.
+    Bend(Box<Bend>),
 }
 
 /// The follower.
@@ -67,7 +71,15 @@ impl PathFollower {
         model: &MotionModel,
         stop: bool,
     ) -> Command {
+        self.bend_where_the_base_does(order, model);
         self.pass_nodes(order, place, moving);
+        if let Motion::Bend(bend) = &mut self.motion {
+            let command = bend.follow(order, place, moving, model, stop);
+            if bend.is_done(moving) {
+                self.motion = Motion::Rest;
+            }
+            return command;
+        }
         if stop {
             return brake(moving, model);
         }
@@ -78,9 +90,19 @@ impl PathFollower {
             self.begin(order, place);
         }
         match self.motion {
-            Motion::Rest => Command::default(),
+            // The first tick of a bend is spent on seeing that it is one.
+            Motion::Rest | Motion::Bend(_) => Command::default(),
             Motion::Turn(heading) => self.turn(heading, place, moving, model),
             Motion::Run { from, along } => self.run(order, place, moving, model, from, along),
+        }
+    }
+
+    /// A run whose base goes on in a bend becomes one.
+    fn bend_where_the_base_does(&mut self, order: &OrderBook, model: &MotionModel) {
+        if let Motion::Run { from, .. } = self.motion
+            && let Some(bend) = Bend::from_run(from, order, model)
+        {
+            self.motion = Motion::Bend(Box::new(bend));
         }
     }
 
@@ -93,7 +115,11 @@ impl PathFollower {
         while order.has_base() {
             let Some(next) = order.base().nth(1).map(|node| node.point) else { return };
             let to = next - place.point();
-            let behind = matches!(self.motion, Motion::Run { along, .. } if to.dot(&along) <= REACHED_M);
+            let behind = match &self.motion {
+                Motion::Run { along, .. } => to.dot(along) <= REACHED_M,
+                Motion::Bend(_) => return, // it passes its nodes itself
+                Motion::Rest | Motion::Turn(_) => false,
+            };
             let at_rest = to.norm() <= 2.0 * REACHED_M && moving.speed_m_per_s.abs() < CREEP_M_PER_S;
             if !(behind && to.norm() < 0.1 || at_rest) {
                 return;
@@ -195,7 +221,7 @@ fn run_end(order: &OrderBook, from: Point, along: Vector) -> f64 {
 }
 
 /// The highest speed for the next tick from which `distance` still suffices to stop.
-fn fastest(distance: f64, speed: f64, speed_max: f64, acceleration: f64) -> f64 {
+pub(crate) fn fastest(distance: f64, speed: f64, speed_max: f64, acceleration: f64) -> f64 {
     if distance <= 0.0 {
         return 0.0;
     }

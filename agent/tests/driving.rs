@@ -20,6 +20,7 @@ struct StandIn {
     ticks: u64,
     noise: u64,
     wall_at_x: Option<f64>,
+    motion: MotionModel,
 }
 
 impl StandIn {
@@ -35,6 +36,7 @@ impl StandIn {
             ticks: 0,
             noise: 1,
             wall_at_x: None,
+            motion: motion(),
         }
     }
 
@@ -49,8 +51,14 @@ impl StandIn {
         let dt = TICK.as_secs_f64();
         let towards = |from: f64, to: f64, by: f64| from + (to - from).clamp(-by, by);
         let (speed, turning) = (self.speed, self.turning);
-        self.speed = towards(speed, setpoint.speed_m_per_s.clamp(-0.5, 0.5), 0.6 * dt);
-        self.turning = towards(turning, setpoint.angular_speed_rad_per_s.clamp(-0.8, 0.8), 2.0 * dt);
+        let (top, top_turn) = (self.motion.speed_m_per_s, self.motion.angular_speed_rad_per_s);
+        let asked_turn = setpoint.angular_speed_rad_per_s.clamp(-top_turn, top_turn);
+        self.speed = towards(
+            speed,
+            setpoint.speed_m_per_s.clamp(-top, top),
+            self.motion.acceleration_m_per_s2 * dt,
+        );
+        self.turning = towards(turning, asked_turn, self.motion.angular_acceleration_rad_per_s2 * dt);
         let way = f64::midpoint(speed, self.speed) * dt;
         let turn = f64::midpoint(turning, self.turning) * dt;
         let (odo_x, odo_y, odo_theta) = &mut self.odometry;
@@ -79,7 +87,7 @@ impl StandIn {
             speed_m_per_s: self.speed,
             angular_speed_rad_per_s: self.turning,
             state_of_charge_percent: 80.0,
-            description: self.ticks.is_multiple_of(50).then(description),
+            description: self.ticks.is_multiple_of(50).then(|| description(&self.motion)),
             scan: with_fix.then(|| self.scan()),
             time_factor: 1.0,
             ..v1::BaseState::default()
@@ -100,15 +108,15 @@ impl StandIn {
     }
 }
 
-fn description() -> v1::Factsheet {
+fn description(motion: &MotionModel) -> v1::Factsheet {
     v1::Factsheet {
         series_name: "stand-in".to_owned(),
         body_radius_m: 0.177,
         tool_width_m: 0.75,
-        speed_max_m_per_s: 0.5,
-        acceleration_max_m_per_s2: 0.6,
-        angular_speed_max_rad_per_s: 0.8,
-        angular_acceleration_max_rad_per_s2: 2.0,
+        speed_max_m_per_s: motion.speed_m_per_s,
+        acceleration_max_m_per_s2: motion.acceleration_m_per_s2,
+        angular_speed_max_rad_per_s: motion.angular_speed_rad_per_s,
+        angular_acceleration_max_rad_per_s2: motion.angular_acceleration_rad_per_s2,
         state_interval_ms: 100,
         range_finder_m: 3.0,
         battery_charging: Some(v1::BatteryCharging {
@@ -323,4 +331,140 @@ fn wheels_that_do_not_move_the_robot_are_reported_as_stuck() {
     story.body.grip = 0.0;
     story.run_for(6.0);
     assert!(story.has(v1::ErrorType::Stuck));
+}
+
+/// The default robot of a scenario: faster than the stand-in of the other stories.
+const FAST: MotionModel = MotionModel {
+    speed_m_per_s: 1.0,
+    acceleration_m_per_s2: 0.8,
+    angular_speed_rad_per_s: 1.5,
+    angular_acceleration_rad_per_s2: 3.0,
+    brakes: true,
+};
+
+/// Drives a line to its end by granting piece by piece, and tells how long it took, as a share of the plan.
+fn drive_all(name: &str, points: &[(f64, f64)], motion: MotionModel) -> Story {
+    let mut story = Story::along(points);
+    story.body.motion = motion;
+    let (from, to) = (story.path[0], story.path[1]);
+    story.body.theta = (to.y - from.y).atan2(to.x - from.x);
+    let planned_s = motion.path_s(&story.path, Some(story.body.theta));
+    let mut ahead_m: Vec<f64> = vec![0.0];
+    for pair in story.path.windows(2) {
+        ahead_m.push(ahead_m[ahead_m.len() - 1] + (pair[1] - pair[0]).norm());
+    }
+    story.released = 1;
+    while story.last.last_node_sequence_id < points.len() as u64 && story.now.as_secs_f64() < 2.0 * planned_s {
+        let passed_m = ahead_m[(story.last.last_node_sequence_id.max(1) - 1) as usize];
+        let granted = ahead_m.partition_point(|&way_m| way_m <= passed_m + 2.5) as u64;
+        story.released = story.released.max(granted);
+        story.run_for(0.1);
+    }
+    let driven_s = story.reached_at.last().unwrap().1 - 0.1;
+    let ratio = driven_s / planned_s;
+    println!(
+        "{name}: planned {planned_s:.2} s, driven {driven_s:.2} s, ratio {ratio:.4}, at most {:.4} m off",
+        story.farthest_off_m
+    );
+    assert_eq!(story.last.last_node_sequence_id, points.len() as u64, "{name}: did not come to the end");
+    assert!(story.farthest_off_m < 0.02, "{name}: {} m off its path", story.farthest_off_m);
+    assert!((0.97..1.03).contains(&ratio), "{name}: driven {driven_s:.2} s, planned {planned_s:.2} s");
+    story
+}
+
+fn sampled(count: u32, place: impl Fn(f64) -> (f64, f64)) -> Vec<(f64, f64)> {
+    (0..=count).map(|at| place(f64::from(at) / f64::from(count))).collect()
+}
+
+#[test]
+fn circles_are_driven_without_stopping_and_within_two_centimetres() {
+    use std::f64::consts::TAU;
+    for radius in [0.3, 0.6, 2.0] {
+        for spacing in [0.06, 0.2_f64] {
+            let count = (2.0 * TAU * radius / spacing.min(0.4 * radius)) as u32;
+            let circle = sampled(count, |share| {
+                let at = 2.0 * TAU * share;
+                (radius * at.sin(), radius * (1.0 - at.cos()))
+            });
+            for motion in [motion(), FAST] {
+                drive_all(&format!("circle of {radius} m, a point each {spacing} m"), &circle, motion);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_spiral_is_driven_to_its_middle() {
+    use std::f64::consts::TAU;
+    let spiral = sampled(700, |share| {
+        let (at, radius) = (5.0 * TAU * share, 2.4 - 2.1 * share);
+        (radius * at.cos(), radius * at.sin())
+    });
+    for motion in [motion(), FAST] {
+        drive_all("spiral", &spiral, motion);
+    }
+}
+
+#[test]
+fn an_s_curve_with_straight_ends_is_driven_through() {
+    let mut curve = vec![(-3.0, 0.0)];
+    curve.extend(sampled(160, |share| (8.0 * share, 0.5 * (1.0 - (4.0 * std::f64::consts::PI * share).cos()))));
+    curve.push((11.0, 0.0));
+    for motion in [motion(), FAST] {
+        drive_all("s-curve", &curve, motion);
+    }
+}
+
+#[test]
+fn a_line_and_an_arc_meet_without_a_stop() {
+    use std::f64::consts::FRAC_PI_2;
+    let mut curve: Vec<(f64, f64)> = (0..20).map(|at| (0.25 * f64::from(at), 0.0)).collect();
+    curve.extend(sampled(24, |share| {
+        let at = 2.0 * FRAC_PI_2 * share;
+        (5.0 + 0.35 * at.sin(), 0.35 * (1.0 - at.cos()))
+    }));
+    curve.extend((1..20).map(|at| (5.0 - 0.25 * f64::from(at), 0.7)));
+    for motion in [motion(), FAST] {
+        drive_all("u-turn", &curve, motion);
+    }
+}
+
+#[test]
+fn a_long_zig_zag_of_gentle_bends_and_sharp_corners_is_driven_as_planned() {
+    let gentle: Vec<(f64, f64)> = (0..30).map(|at| (f64::from(at), 0.2 * f64::from(at % 2))).collect();
+    let sharp: Vec<(f64, f64)> = (0..12).map(|at| (0.35 * f64::from(at), 2.0 * f64::from(at % 2))).collect();
+    for motion in [motion(), FAST] {
+        drive_all("gentle zig-zag", &gentle, motion);
+        drive_all("sharp zig-zag", &sharp, motion);
+    }
+}
+
+#[test]
+fn in_a_bend_it_stops_on_the_line_and_goes_on() {
+    use std::f64::consts::TAU;
+    let circle = sampled(120, |share| (1.0 * (TAU * share).sin(), 1.0 - (TAU * share).cos()));
+    let mut story = Story::along(&circle);
+    story.body.motion = FAST;
+    story.run_for(4.0);
+    assert!(story.body.speed > 0.8);
+    story.granting = false;
+    story.run_for(5.0);
+    assert!(story.body.speed == 0.0 && story.farthest_off_m < 0.02, "{} m off", story.farthest_off_m);
+    story.granting = true;
+    story.run_for(10.0);
+    assert_eq!(story.last.last_node_sequence_id, 121);
+    assert!(story.farthest_off_m < 0.02, "{} m off", story.farthest_off_m);
+}
+
+#[test]
+fn in_a_bend_it_goes_no_further_than_its_base() {
+    use std::f64::consts::TAU;
+    let circle = sampled(120, |share| (1.0 * (TAU * share).sin(), 1.0 - (TAU * share).cos()));
+    let mut story = Story::along(&circle);
+    story.body.motion = FAST;
+    story.released = 31;
+    story.run_for(8.0);
+    let end = story.path[30];
+    assert!((Point::new(story.body.x, story.body.y) - end).norm() < 0.02);
+    assert!(story.farthest_off_m < 0.02);
 }

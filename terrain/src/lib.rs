@@ -24,6 +24,7 @@ mod movingai;
 mod polygon;
 mod ros_map;
 mod segment;
+mod stretch;
 
 pub use cell::{Cell, Direction};
 pub use floor::{CellClass, Floor, FloorError};
@@ -35,6 +36,7 @@ pub use motion::{MotionModel, angle_between};
 pub use movingai::parse_movingai;
 pub use polygon::{CORNERS_MAX, Polygons};
 pub use segment::Segment;
+pub use stretch::{CORNER_RAD, CUT_M, Speeds, Stretch};
 
 /// A place in the `map` frame, metres.
 pub type Point = nalgebra::Point2<f64>;

@@ -1,9 +1,10 @@
 //! How long a robot takes: the one time model that planners, the coordinator's estimates and the agent's
 //! speed profile share, so that planned and driven times agree.
 
-use crate::Point;
+use crate::{Point, Stretch};
 
-/// A differential drive that stops to turn: straight runs with a trapezoidal speed profile, turns in place.
+/// A differential drive: straight runs with a trapezoidal speed profile, gentle bends driven through (see
+/// [`Stretch`]), turns in place at corners.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotionModel {
     /// Top speed, m/s.
@@ -44,27 +45,30 @@ impl MotionModel {
     }
 
     /// Time to drive a line of points from standstill to standstill, turning in place at each corner, seconds.
-    /// `heading_rad` is the heading before the start; `None` when the first heading is free.
+    /// `heading_rad` is the heading before the start; `None` when the first heading is free. What bends by no more
+    /// than [`CORNER_RAD`](crate::CORNER_RAD) at each point is driven through when the model brakes at all.
     pub fn path_s(&self, points: &[Point], heading_rad: Option<f64>) -> f64 {
         let mut total_s = 0.0;
-        let mut run_m = 0.0;
         let mut heading = heading_rad;
-        for pair in points.windows(2) {
-            let step = pair[1] - pair[0];
-            let length = step.norm();
-            if length < 1e-9 {
-                continue;
-            }
-            let towards = step.y.atan2(step.x);
-            let turn = heading.map_or(0.0, |from| angle_between(from, towards));
+        let mut rest = points;
+        while let Some((stretch, used)) = Stretch::first(rest, self.brakes) {
+            let turn = heading.map_or(0.0, |from| angle_between(from, stretch.heading_at_start_rad()));
             if turn.abs() > 1e-6 {
-                total_s += self.run_s(run_m) + self.turn_s(turn);
-                run_m = 0.0;
+                total_s += self.turn_s(turn);
             }
-            run_m += length;
-            heading = Some(towards);
+            total_s += self.stretch_s(&stretch);
+            heading = Some(stretch.heading_at_end_rad());
+            rest = &rest[used - 1..];
         }
-        total_s + self.run_s(run_m)
+        total_s
+    }
+
+    fn stretch_s(&self, stretch: &Stretch) -> f64 {
+        if stretch.is_straight() {
+            self.run_s(stretch.length_m())
+        } else {
+            stretch.speeds(self).total_s()
+        }
     }
 
     /// Distance to stop from `speed_m_per_s`, metres.
