@@ -53,11 +53,8 @@ impl StandIn {
         let (speed, turning) = (self.speed, self.turning);
         let (top, top_turn) = (self.motion.speed_m_per_s, self.motion.angular_speed_rad_per_s);
         let asked_turn = setpoint.angular_speed_rad_per_s.clamp(-top_turn, top_turn);
-        self.speed = towards(
-            speed,
-            setpoint.speed_m_per_s.clamp(-top, top),
-            self.motion.acceleration_m_per_s2 * dt,
-        );
+        self.speed =
+            towards(speed, setpoint.speed_m_per_s.clamp(-top, top), self.motion.acceleration_m_per_s2 * dt);
         self.turning = towards(turning, asked_turn, self.motion.angular_acceleration_rad_per_s2 * dt);
         let way = f64::midpoint(speed, self.speed) * dt;
         let turn = f64::midpoint(turning, self.turning) * dt;
@@ -354,7 +351,8 @@ fn drive_all(name: &str, points: &[(f64, f64)], motion: MotionModel) -> Story {
         ahead_m.push(ahead_m[ahead_m.len() - 1] + (pair[1] - pair[0]).norm());
     }
     story.released = 1;
-    while story.last.last_node_sequence_id < points.len() as u64 && story.now.as_secs_f64() < 2.0 * planned_s {
+    while story.last.last_node_sequence_id < points.len() as u64 && story.now.as_secs_f64() < 2.0 * planned_s
+    {
         let passed_m = ahead_m[(story.last.last_node_sequence_id.max(1) - 1) as usize];
         let granted = ahead_m.partition_point(|&way_m| way_m <= passed_m + 2.5) as u64;
         story.released = story.released.max(granted);
@@ -408,7 +406,9 @@ fn a_spiral_is_driven_to_its_middle() {
 #[test]
 fn an_s_curve_with_straight_ends_is_driven_through() {
     let mut curve = vec![(-3.0, 0.0)];
-    curve.extend(sampled(160, |share| (8.0 * share, 0.5 * (1.0 - (4.0 * std::f64::consts::PI * share).cos()))));
+    curve.extend(sampled(160, |share| {
+        (8.0 * share, 0.5 * (1.0 - (4.0 * std::f64::consts::PI * share).cos()))
+    }));
     curve.push((11.0, 0.0));
     for motion in [motion(), FAST] {
         drive_all("s-curve", &curve, motion);

@@ -111,14 +111,23 @@ impl Coordinator {
         let energy = robot.energy?;
         let mut points: Vec<Point> = robot.route.base().map(|node| node.point).collect();
         points.extend(robot.route.next_edge().map(|(edge, _)| edge.to));
-        let cell = self.floor.lattice().cell_at(*points.last()?)?;
-        let moves = self.station_moves[self.floor.lattice().index(cell)?];
-        if moves == u32::MAX {
-            return None;
-        }
+        let moves = self.moves_to_station(*points.last()?)?;
         let cell_m = self.floor.lattice().cell_m;
         let way_m = (f64::from(moves) + 2.0) * cell_m * DETOUR_FACTOR;
         Some(energy.along_percent(&points) + energy.home_percent(way_m, cell_m))
+    }
+
+    /// Moves to the nearest station from the cell a place lies in, or from one beside it where no body stands there.
+    fn moves_to_station(&self, place: Point) -> Option<u32> {
+        let lattice = self.floor.lattice();
+        let cell = lattice.cell_at(place)?;
+        let from =
+            |cell| lattice.index(cell).map(|index| self.station_moves[index]).filter(|&m| m != u32::MAX);
+        let beside = || {
+            let around = (-1..=1).flat_map(|dx| (-1..=1).map(move |dy| Cell::new(cell.x + dx, cell.y + dy)));
+            around.filter_map(from).max().map(|moves| moves + 1)
+        };
+        from(cell).or_else(beside)
     }
 
     /// Gives a robot the best station, or a place in its queue. False when no station works.

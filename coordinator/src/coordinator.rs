@@ -5,10 +5,11 @@ use crate::{
     announce::Announcer,
     charging::StationState,
     ledger::{Ledger, RobotIndex},
-    replan::Replanning,
+    replan::{Replanning, TRACKING_M},
     robot::{Phase, Robot},
     zones::Zones,
 };
+use planner::planners::keeps_to_lattice;
 use protocol::{
     Timestamp,
     v1::{self, MissionState},
@@ -29,6 +30,8 @@ const TICK: Duration = Duration::from_millis(100);
 pub struct Coordinator {
     pub(crate) config: Config,
     pub(crate) floor: Arc<Floor>,
+    /// The same floor for bodies that need room beside their line, when the mission's planner leaves the lattice.
+    pub(crate) roomy_floor: Option<Arc<Floor>>,
     pub(crate) ledger: Ledger,
     pub(crate) zones: Zones,
     pub(crate) robots: Vec<Robot>,
@@ -63,6 +66,10 @@ impl Coordinator {
         let mission = &config.mission;
         let tool_width_m = mission.tool_width_m - 2.0 * COVERAGE_TOLERANCE_M;
         let floor = Arc::new(Floor::new(&mission.map, mission.cell_m, mission.body_radius_m, tool_width_m)?);
+        let roomy_m = mission.body_radius_m + TRACKING_M;
+        let roomy_floor = (!keeps_to_lattice(&mission.planner))
+            .then(|| Floor::new(&mission.map, mission.cell_m, roomy_m, tool_width_m).ok().map(Arc::new))
+            .flatten();
         let required = (0..floor.lattice().len()).map(|index| floor.required(index)).collect();
         let robots: Vec<Robot> = mission.robots.iter().map(|id| Robot::new(id)).collect();
         let by_id = mission.robots.iter().enumerate().map(|(index, id)| (id.clone(), index)).collect();
@@ -72,6 +79,7 @@ impl Coordinator {
             zones: Zones::new(floor.lattice().len()),
             announcer: Announcer::new(&config),
             floor,
+            roomy_floor,
             robots,
             by_id,
             stations,

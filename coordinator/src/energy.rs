@@ -29,7 +29,7 @@ impl Energy {
     /// Share of a full battery that driving along points costs with the tool on, percent.
     pub(crate) fn along_percent(&self, points: &[Point]) -> f64 {
         let length_m: f64 = points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
-        let turns = points.windows(3).filter(|three| turns_at(three)).count() as f64;
+        let turns = points.windows(3).map(quarters).sum();
         self.percent(length_m, turns, self.motion.path_s(points, None), true)
     }
 
@@ -51,7 +51,8 @@ impl Energy {
     }
 }
 
-fn turns_at(three: &[Point]) -> bool {
+/// The turn from one line to the next, in quarters of a full one.
+fn quarters(three: &[Point]) -> f64 {
     let (before, after) = (three[1] - three[0], three[2] - three[1]);
-    before.perp(&after).abs() > 1e-9 || before.dot(&after) < 0.0
+    before.perp(&after).atan2(before.dot(&after)).abs() / std::f64::consts::FRAC_PI_2
 }

@@ -132,6 +132,11 @@ impl Ledger {
         }
     }
 
+    /// Whether an open cell is nobody's to cover.
+    pub(crate) fn is_unclaimed(&self, index: usize) -> bool {
+        matches!(self.status[index], Status::Unassigned | Status::Lost)
+    }
+
     /// Gives an open cell to a robot.
     pub(crate) fn assign(&mut self, index: usize, robot: RobotIndex) {
         if self.is_open(index) {

@@ -16,6 +16,7 @@ mod input;
 mod ledger;
 mod operator;
 mod output;
+mod places;
 mod presence;
 pub mod recorder;
 mod replan;

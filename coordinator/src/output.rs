@@ -88,7 +88,12 @@ impl PlanRequest {
     ///
     /// See [`planner::plan`].
     pub fn run(&self) -> Result<VerifiedPlan, PlanError> {
-        let instance = Instance {
+        planner::plan(&self.instance(), &self.options)
+    }
+
+    /// What is to be planned.
+    pub fn instance(&self) -> Instance<'_> {
+        Instance {
             floor: &self.floor,
             visit: self.visit.clone(),
             blocked: self.blocked.clone(),
@@ -100,7 +105,6 @@ impl PlanRequest {
             coverage_min: 0.99,
             incumbent: self.incumbent.clone(),
             orphans: self.orphans.clone(),
-        };
-        planner::plan(&instance, &self.options)
+        }
     }
 }

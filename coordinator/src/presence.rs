@@ -21,7 +21,7 @@ use protocol::{
     v1::{self, ConnectionState, ErrorType, EventLevel, MissionState, ReplanCause, ZoneType},
 };
 use std::time::Duration;
-use terrain::{Cell, Point, Segment, angle_between};
+use terrain::{Cell, Floor, Point, Segment, angle_between};
 
 /// Assumed bound on the rate error of a robot's clock.
 const CLOCK_RATE_ERROR: f64 = 0.01;
@@ -358,6 +358,7 @@ impl Coordinator {
         let id = robot.id.clone();
         let cells = self.cells_near(&held);
         if let Some(zone) = self.zones.add(ZoneType::ZoneQuarantine, cells, &id, now, now) {
+            self.zones.set_ground(zone, held);
             self.zones_changed();
             let text = format!("zone {zone}: where it may stand, until somebody sees it free");
             self.announcer.event(now, EventLevel::EventInfo, &id, "QUARANTINE", &text);
@@ -366,7 +367,11 @@ impl Coordinator {
 
     /// Numbers of the drivable cells in which a body would come too near to some ground.
     pub(crate) fn cells_near(&self, ground: &[Segment]) -> Vec<usize> {
-        let reach = self.separation_m();
+        self.cells_within(ground, self.separation_m())
+    }
+
+    /// Numbers of the drivable cells whose centre is nearer than `reach` metres to some ground.
+    pub(crate) fn cells_within(&self, ground: &[Segment], reach: f64) -> Vec<usize> {
         let lattice = self.floor.lattice();
         let mut cells: Vec<usize> = ground
             .iter()
@@ -448,6 +453,23 @@ impl Coordinator {
             return Some(cell);
         }
         self.nearest_open_cell(index, end.point)
+    }
+
+    /// The cell nearest to a point in which bodies have room, and to which a body can drive straight from there.
+    pub(crate) fn nearest_cell_with_room(&self, point: Point, floor: &Floor) -> Option<Cell> {
+        let lattice = floor.lattice();
+        let reach = 1.5 * lattice.cell_m;
+        let corner = terrain::Vector::repeat(reach);
+        let distance = |cell: Cell| (lattice.center(cell) - point).norm();
+        let map = &self.config.mission.map;
+        let body_m = self.config.mission.body_radius_m;
+        lattice
+            .cells_in_box(point - corner, point + corner)
+            .filter(|&cell| {
+                floor.cell_is_drivable(cell) && self.is_open_ground(cell) && distance(cell) <= reach
+            })
+            .filter(|&cell| map.capsule_is_free(Segment::new(point, lattice.center(cell)), body_m - 0.02))
+            .min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
     }
 
     fn nearest_open_cell(&self, index: RobotIndex, point: Point) -> Option<Cell> {

@@ -3,6 +3,10 @@
 //! Causes are gathered for a moment, then one instance is made of all that is still to be covered and all
 //! robots that can cover, each from the end of its base. While the planner works no ground is released, so the
 //! plan fits when it comes. An answer to an older request is dropped.
+//!
+//! A planner whose routes leave the lattice is given a floor on which bodies have [`TRACKING_M`] of room, and may leave
+//! a little unswept. What it leaves comes back as open cells, is visited along the lattice, and so gets done. When it
+//! cannot plan what is left, the planner [`FALLBACK`] does.
 
 use crate::{
     Coordinator, Output, PlanRequest,
@@ -10,13 +14,13 @@ use crate::{
     robot::{Errand, Phase},
     route::{Ending, Waypoint},
 };
-use planner::{Mode, PlanError, PlanOptions, Start, VerifiedPlan};
+use planner::{Mode, PlanError, PlanOptions, Start, VerifiedPlan, planners::keeps_to_lattice};
 use protocol::{
     Timestamp,
     v1::{self, EventLevel, MissionState, ReplanCause},
 };
 use std::{collections::BTreeMap, sync::Arc, time::Duration};
-use terrain::{Cell, MotionModel, Point};
+use terrain::{Cell, Floor, MotionModel, Point};
 
 /// Causes are gathered this long before the planner is asked.
 const GATHER: Duration = Duration::from_millis(50);
@@ -24,6 +28,12 @@ const GATHER: Duration = Duration::from_millis(50);
 const PLANS_APART: Duration = Duration::from_millis(400);
 /// At least this long between two plans that only untie robots.
 const DEADLOCK_PLANS_APART: Duration = Duration::from_secs(5);
+/// Plans what the mission's planner cannot, and visits the specks that it leaves.
+const FALLBACK: &str = "tmstc-star";
+/// A robot keeps to a line that bends within this, metres: plans that leave the lattice keep bodies so far from walls.
+pub(crate) const TRACKING_M: f64 = 0.03;
+/// When less than this share of the cells to visit is missing, only specks are left.
+const SPECKS_SHARE: f64 = 0.4;
 /// After so many refusals in a row the mission fails.
 const REFUSALS_MAX: u32 = 5;
 
@@ -45,6 +55,16 @@ impl Cause {
     }
 }
 
+/// What one planner is asked to do.
+#[derive(Debug)]
+struct Task {
+    planner: String,
+    floor: Arc<Floor>,
+    visit: Vec<bool>,
+    blocked: Vec<bool>,
+    starts: Vec<Start>,
+}
+
 /// A request the planner has not answered yet.
 #[derive(Debug)]
 struct InFlight {
@@ -55,6 +75,7 @@ struct InFlight {
     causes: Vec<Cause>,
     owners: BTreeMap<usize, Option<RobotIndex>>,
     remaining_s: Vec<f64>,
+    planner: String,
 }
 
 /// What is wanted of the planner, and what it was asked.
@@ -67,6 +88,8 @@ pub(crate) struct Replanning {
     asked_at: Timestamp,
     deadlock_at: Timestamp,
     refusals: u32,
+    /// The mission's planner refused just now: the next plan is the fallback's.
+    falls_back: bool,
     decisions: u64,
     /// Robots that stand in each other's way: the next plan takes the places where they stand for closed to all
     /// others.
@@ -148,16 +171,13 @@ impl Coordinator {
     /// The mission as it stands, as something to plan; `None` when nobody can do anything now.
     fn instance(&mut self, causes: Vec<Cause>) -> Option<(PlanRequest, InFlight)> {
         let untie = std::mem::take(&mut self.replanning.untie);
-        let blocked = self.blocked_for_plans(&untie);
         let robots: Vec<RobotIndex> =
             self.coverers().into_iter().filter(|&robot| self.start_cell(robot).is_some()).collect();
         let motion = self.slowest_motion(&robots)?;
-        let starts: Vec<Start> = robots.iter().map(|&robot| self.start(robot, &motion)).collect();
-        let visit = self.cells_to_visit(&blocked, &robots, &starts);
-        if !visit.contains(&true) {
-            return None;
-        }
-        let owners = self.owners(&visit);
+        let task = self
+            .task_with_room(&untie, &robots, &motion)
+            .or_else(|| self.task_on_lattice(&untie, &robots, &motion))?;
+        let owners = self.owners(&task.visit);
         let (incumbent, orphans) =
             if untie.is_empty() { self.under_way(&robots) } else { (Vec::new(), Vec::new()) };
         let revision = self.replanning.revision + 1;
@@ -165,15 +185,15 @@ impl Coordinator {
             revision,
             orders: robots.iter().map(|&robot| self.robots[robot].route.order_id()).collect(),
             remaining_s: robots.iter().map(|&robot| self.robots[robot].remaining_s).collect(),
-            visit: visit.clone(),
+            visit: task.visit.clone(),
             owners,
             robots,
             causes,
+            planner: task.planner.clone(),
         };
         let stations: Vec<Cell> = self.station_cells();
-        let options =
-            PlanOptions { planner: self.config.mission.planner.clone(), effort: 1, seed: self.config.seed };
-        let floor = Arc::clone(&self.floor);
+        let options = PlanOptions { planner: task.planner, effort: 1, seed: self.config.seed };
+        let Task { floor, visit, blocked, starts, .. } = task;
         let mode = Mode::Cover;
         Some((
             PlanRequest {
@@ -193,11 +213,75 @@ impl Coordinator {
         ))
     }
 
-    /// What is driven already, and the routes without a robot. Nothing when nothing is.
+    /// What is to be visited along the lattice; `None` when there is nothing.
+    fn task_on_lattice(
+        &self,
+        untie: &[RobotIndex],
+        robots: &[RobotIndex],
+        motion: &MotionModel,
+    ) -> Option<Task> {
+        let blocked = self.blocked_for_plans(untie, 0.0);
+        let starts: Vec<Start> = robots.iter().map(|&robot| self.start(robot, motion)).collect();
+        let visit = self.cells_to_visit(&self.floor, &blocked, robots, &starts);
+        let mine = &self.config.mission.planner;
+        let planner = if keeps_to_lattice(mine) { mine.as_str() } else { FALLBACK };
+        visit.contains(&true).then(|| Task {
+            planner: planner.to_owned(),
+            floor: Arc::clone(&self.floor),
+            visit,
+            blocked,
+            starts,
+        })
+    }
+
+    /// What is to be swept by a planner that leaves the lattice; `None` when the mission's does not, when it was
+    /// refused just now, or when only specks are left.
+    fn task_with_room(
+        &self,
+        untie: &[RobotIndex],
+        robots: &[RobotIndex],
+        motion: &MotionModel,
+    ) -> Option<Task> {
+        let floor = self.roomy_floor.as_ref().filter(|_| !self.replanning.falls_back)?;
+        let blocked = self.blocked_for_plans(untie, 0.5 * floor.lattice().cell_m);
+        let starts: Vec<Start> =
+            robots.iter().map(|&robot| self.start_with_room(robot, motion, floor)).collect::<Option<_>>()?;
+        let visit = self.cells_to_visit(floor, &blocked, robots, &starts);
+        if self.only_specks_are_left(&visit) {
+            return None;
+        }
+        let planner = self.config.mission.planner.clone();
+        Some(Task { planner, floor: Arc::clone(floor), visit, blocked, starts })
+    }
+
+    fn only_specks_are_left(&self, visit: &[bool]) -> bool {
+        let (mut wanted, mut missing) = (0, 0);
+        for index in (0..visit.len()).filter(|&index| visit[index]) {
+            wanted += self.floor.required(index).count_ones();
+            missing += self.ledger.missing(index).count_ones();
+        }
+        f64::from(missing) <= SPECKS_SHARE * f64::from(wanted)
+    }
+
+    /// Where a robot's next route begins when bodies are to have room: at the end of its base itself, where that has
+    /// room, or in the cell beside it.
+    fn start_with_room(&self, index: RobotIndex, motion: &MotionModel, floor: &Floor) -> Option<Start> {
+        let end = self.robots[index].route.base_end()?.point;
+        let cell = self.nearest_cell_with_room(end, floor)?;
+        let to_centre = terrain::Segment::new(end, floor.lattice().center(cell));
+        let stands_in_it = floor.lattice().cell_at(end) == Some(cell) && floor.segment_is_free(to_centre);
+        let point = stands_in_it.then_some(end);
+        Some(Start { cell, point, ..self.start(index, motion) })
+    }
+
+    /// What is driven already, and the routes without a robot. Nothing when nothing is, or when somebody's route leaves
+    /// the lattice.
     fn under_way(&mut self, robots: &[RobotIndex]) -> (Vec<Vec<Cell>>, Vec<Vec<Cell>>) {
         let incumbent: Vec<Vec<Cell>> = robots.iter().map(|&robot| self.horizon_cells(robot)).collect();
         let orphans = std::mem::take(&mut self.orphans);
-        if orphans.is_empty() && incumbent.iter().all(Vec::is_empty) {
+        let leaves_lattice =
+            robots.iter().any(|&robot| self.robots[robot].route.horizon().any(|node| node.cell.is_none()));
+        if leaves_lattice || orphans.is_empty() && incumbent.iter().all(Vec::is_empty) {
             return (Vec::new(), Vec::new());
         }
         (incumbent, orphans)
@@ -215,8 +299,9 @@ impl Coordinator {
         }
     }
 
-    /// Zones, and ground held by robots that will not move by themselves.
-    fn blocked_for_plans(&self, untie: &[RobotIndex]) -> Vec<bool> {
+    /// Zones, and ground held by robots that will not move by themselves; cells count whose centre is by `wider_m`
+    /// farther away, too.
+    fn blocked_for_plans(&self, untie: &[RobotIndex], wider_m: f64) -> Vec<bool> {
         let mut blocked: Vec<bool> =
             (0..self.floor.lattice().len()).map(|index| self.zones.holds(index)).collect();
         for (index, robot) in self.robots.iter().enumerate() {
@@ -225,9 +310,15 @@ impl Coordinator {
                 || robot.phase == Phase::Ready
                     && (robot.stuck || matches!(robot.errand, Errand::Charging(_) | Errand::Queue(_)));
             if immobile {
-                for index in self.cells_near(&robot.held) {
+                for index in self.cells_within(&robot.held, self.separation_m() + wider_m) {
                     blocked[index] = true;
                 }
+            }
+        }
+        if wider_m > 0.0 {
+            let ground: Vec<_> = self.zones.iter().flat_map(|zone| zone.ground.iter().copied()).collect();
+            for index in self.cells_within(&ground, self.separation_m() + wider_m) {
+                blocked[index] = true;
             }
         }
         blocked
@@ -262,30 +353,32 @@ impl Coordinator {
     }
 
     /// Row-major: cells that robots should pass so that all that is open gets swept, as far as they can get
-    /// there and it is not on somebody's base already.
-    fn cells_to_visit(&self, blocked: &[bool], robots: &[RobotIndex], starts: &[Start]) -> Vec<bool> {
-        let reachable = self.reachable(blocked, starts);
+    /// there and no base sweeps it already.
+    fn cells_to_visit(
+        &self,
+        floor: &Floor,
+        blocked: &[bool],
+        robots: &[RobotIndex],
+        starts: &[Start],
+    ) -> Vec<bool> {
+        let reachable = reachable(floor, blocked, starts);
+        let granted = self.swept_by(robots.iter().flat_map(|&robot| self.base_edges(robot)));
         let mut visit = vec![false; blocked.len()];
         for index in self.ledger.open_cells() {
-            if let Some(stand) = self.stand_for(index, &reachable) {
-                visit[stand] = true;
+            let swept = granted.get(&index).copied().unwrap_or(0);
+            if self.ledger.missing(index) & !swept == 0 {
+                continue;
             }
-        }
-        let lattice = self.floor.lattice();
-        for &robot in robots {
-            for node in self.robots[robot].route.base().skip(1) {
-                let index = node.cell.and_then(|cell| lattice.index(cell));
-                if let Some(index) = index.filter(|_| node.tool_active) {
-                    visit[index] = false;
-                }
+            if let Some(stand) = self.stand_for(floor, index, &reachable) {
+                visit[stand] = true;
             }
         }
         visit
     }
 
     /// The reachable cell to stand in so that what is missing of a cell gets swept.
-    fn stand_for(&self, index: usize, reachable: &[bool]) -> Option<usize> {
-        if self.floor.is_drivable(index) {
+    fn stand_for(&self, floor: &Floor, index: usize, reachable: &[bool]) -> Option<usize> {
+        if floor.is_drivable(index) {
             return reachable[index].then_some(index);
         }
         let lattice = self.floor.lattice();
@@ -309,33 +402,6 @@ impl Coordinator {
             }
         }
         best.map(|(_, at)| at)
-    }
-
-    fn reachable(&self, blocked: &[bool], starts: &[Start]) -> Vec<bool> {
-        let lattice = self.floor.lattice();
-        let mut reached = vec![false; lattice.len()];
-        let mut stack: Vec<Cell> = Vec::new();
-        for start in starts {
-            let index = lattice.index(start.cell).expect("a start is on the lattice");
-            if !reached[index] {
-                reached[index] = true;
-                stack.push(start.cell);
-            }
-        }
-        while let Some(cell) = stack.pop() {
-            for next in self.floor.neighbours(cell) {
-                let index = lattice.index(next).expect("a neighbour is on the lattice");
-                if !reached[index] && !blocked[index] {
-                    reached[index] = true;
-                    stack.push(next);
-                }
-            }
-        }
-        for start in starts {
-            let index = lattice.index(start.cell).expect("a start is on the lattice");
-            reached[index] = !blocked[index];
-        }
-        reached
     }
 
     fn owners(&self, visit: &[bool]) -> BTreeMap<usize, Option<RobotIndex>> {
@@ -367,8 +433,20 @@ impl Coordinator {
         self.state = MissionState::Active;
         match result {
             Ok(plan) => self.apply(now, &flight, &plan, planning_s, out),
+            Err(error) if flight.planner != FALLBACK && !keeps_to_lattice(&flight.planner) => {
+                self.fall_back(now, flight, &error);
+            }
             Err(error) => self.plan_refused(now, &error),
         }
+    }
+
+    /// The mission's planner cannot plan this: another one does, at once.
+    fn fall_back(&mut self, now: Timestamp, flight: InFlight, error: &PlanError) {
+        let text = format!("{error}; `{FALLBACK}` plans this");
+        self.announcer.event(now, EventLevel::EventInfo, "", "FALLBACK", &text);
+        self.replanning.falls_back = true;
+        self.replanning.causes.extend(flight.causes);
+        self.replanning.due = Some(now);
     }
 
     fn plan_refused(&mut self, now: Timestamp, error: &PlanError) {
@@ -391,6 +469,7 @@ impl Coordinator {
         out: &mut Vec<Output>,
     ) {
         self.replanning.refusals = 0;
+        self.replanning.falls_back = false;
         self.replanning.plans += 1;
         let before_s = self.robots.iter().map(|robot| robot.remaining_s).fold(0.0, f64::max);
         for (number, &robot) in flight.robots.iter().enumerate() {
@@ -398,13 +477,16 @@ impl Coordinator {
                 self.ledger.unassign(robot);
             }
         }
+        let mut given = Vec::new();
         for (number, &robot) in flight.robots.iter().enumerate() {
             if self.still_fits(robot, flight.orders[number]) {
-                self.assign_route(robot, flight, &plan.routes()[number].points);
+                self.give_route(robot, flight, &plan.routes()[number].points);
+                given.push(robot);
             } else {
                 self.need_plan(now, Cause::of(ReplanCause::CauseResidual, robot, "changed while planning"));
             }
         }
+        self.assign_by_footprint(&given);
         let after_s = plan.figures().makespan_s;
         if self.replanning.first_makespan_s == 0.0 {
             self.replanning.first_makespan_s = after_s;
@@ -416,26 +498,29 @@ impl Coordinator {
         self.robots[robot].can_cover() && self.robots[robot].route.order_id() == order_id
     }
 
-    fn assign_route(&mut self, robot: RobotIndex, flight: &InFlight, points: &[Point]) {
-        let lattice = *self.floor.lattice();
-        let begins_at_base_end = self.robots[robot].route.base_end().is_some_and(|node| node.cell.is_some());
-        let skip = usize::from(begins_at_base_end);
-        let mut cells = self.stir(robot, flight);
-        cells.extend(points.iter().skip(skip).filter_map(|&point| lattice.cell_at(point)));
-        let places: Vec<Waypoint> = cells.iter().map(|&cell| self.place(cell)).collect();
-        for cell in cells {
-            let index = lattice.index(cell).expect("cell_at gives cells of the lattice");
-            let free = !matches!(self.ledger.status(index), Status::Assigned(_));
-            if flight.visit[index] && free {
-                self.ledger.assign(index, robot);
-            }
+    fn give_route(&mut self, robot: RobotIndex, flight: &InFlight, points: &[Point]) {
+        let Some(end) = self.robots[robot].route.base_end().map(|node| node.point) else { return };
+        let on_lattice = points.iter().skip(1).all(|&point| self.cell_centred_at(point).is_some());
+        let mut way: Vec<Point> = Vec::new();
+        if on_lattice {
+            let lattice = self.floor.lattice();
+            way.extend(self.stir(robot, flight).into_iter().map(|cell| lattice.center(cell)));
         }
+        let begins_there = points.first().is_some_and(|&first| (first - end).norm() < 1e-6);
+        way.extend(points.iter().skip(usize::from(begins_there)));
+        let places = if on_lattice { self.places_at(&way) } else { self.places_along(end, &way) };
         let robot = &mut self.robots[robot];
         robot.errand = Errand::Cover;
         robot.route.stitch(flight.revision, places, Ending::Stay);
         robot.wait = None;
         robot.hold = None;
         robot.order_sent = Timestamp::ZERO;
+    }
+
+    /// Points of the lattice as places of a route.
+    fn places_at(&self, points: &[Point]) -> Vec<Waypoint> {
+        let lattice = self.floor.lattice();
+        points.iter().filter_map(|&point| lattice.cell_at(point)).map(|cell| self.place(cell)).collect()
     }
 
     /// A robot that stands in a cell to be covered leaves evidence only by moving: to a neighbour and back.
@@ -543,6 +628,34 @@ impl Coordinator {
         }
         self.idle_checks.look_at(now);
     }
+}
+
+/// Row-major: the open cells that some robot can get to.
+fn reachable(floor: &Floor, blocked: &[bool], starts: &[Start]) -> Vec<bool> {
+    let lattice = floor.lattice();
+    let mut reached = vec![false; lattice.len()];
+    let mut stack: Vec<Cell> = Vec::new();
+    for start in starts {
+        let index = lattice.index(start.cell).expect("a start is on the lattice");
+        if !reached[index] {
+            reached[index] = true;
+            stack.push(start.cell);
+        }
+    }
+    while let Some(cell) = stack.pop() {
+        for next in floor.neighbours(cell) {
+            let index = lattice.index(next).expect("a neighbour is on the lattice");
+            if !reached[index] && !blocked[index] {
+                reached[index] = true;
+                stack.push(next);
+            }
+        }
+    }
+    for start in starts {
+        let index = lattice.index(start.cell).expect("a start is on the lattice");
+        reached[index] = !blocked[index];
+    }
+    reached
 }
 
 /// `41 cells to r1 (+38 s), r5 (+12 s)`: what was taken from a robot, or from nobody.

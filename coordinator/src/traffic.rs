@@ -100,15 +100,25 @@ impl Coordinator {
     }
 
     fn what_blocks(&self, index: RobotIndex, edge: Segment, to: &Waypoint) -> Option<Blocker> {
-        let cell = to.cell.or_else(|| self.floor.lattice().cell_at(to.point));
-        let zone = cell
-            .and_then(|cell| self.floor.lattice().index(cell))
-            .filter(|&at| self.zones.holds(at))
-            .and_then(|at| self.zones.at(at));
-        if let Some(zone) = zone {
-            return Some(Blocker::Zone(zone.id));
+        self.zone_in_the_way(edge, to)
+            .map(Blocker::Zone)
+            .or_else(|| self.conflict(index, edge).map(Blocker::Robot))
+    }
+
+    /// The zone that an edge would enter. Between centres of cells the cells tell; beside them, the ground on which a
+    /// lost robot may stand, too.
+    fn zone_in_the_way(&self, edge: Segment, to: &Waypoint) -> Option<u64> {
+        self.zones.iter().next()?;
+        let lattice = self.floor.lattice();
+        let held = |cell: Cell| lattice.index(cell).filter(|&at| self.zones.holds(at));
+        let zone_of = |cell: Cell| held(cell).and_then(|at| self.zones.at(at)).map(|zone| zone.id);
+        if let Some(cell) = to.cell.filter(|_| self.cell_centred_at(edge.from).is_some()) {
+            return zone_of(cell);
         }
-        self.conflict(index, edge).map(Blocker::Robot)
+        let stands_in = lattice.cell_at(edge.from);
+        let entered = lattice.cells_along(edge).into_iter().filter(|&cell| Some(cell) != stands_in);
+        let mut zones = entered.filter_map(zone_of);
+        zones.next().or_else(|| self.zones.ground_near(edge, self.separation_m()))
     }
 
     /// The robot whose ground an edge would come too near to. Where both are too near already (they were put so),
@@ -265,13 +275,16 @@ impl Coordinator {
                 && others.iter().all(|held| held.distance_to_point(center) >= separation)
         };
         let Some(aside) = way::nearest(&self.floor, from, clear, open) else { return false };
+        let end = self.robots[index].route.base_end().copied();
+        let beside = end.filter(|end| end.cell.is_none());
         let back: Vec<Cell> = aside.iter().rev().skip(1).copied().collect();
         let rest: Vec<Waypoint> = self.robots[index].route.horizon().copied().collect();
         let ending = self.robots[index].route.ending().clone();
-        let mut places = self.places(&aside[1..]);
+        let mut places = self.places(&aside[usize::from(beside.is_none())..]);
         let spot = self.robots[index].route.released() + places.len() as u64;
         if !rest.is_empty() {
             places.extend(self.places(&back));
+            places.extend(beside);
             places.extend(rest);
         }
         let revision = self.replanning.revision();
@@ -329,14 +342,15 @@ impl Coordinator {
                 && others.iter().all(|held| held.distance_to_point(center) >= separation)
         };
         let horizon: Vec<Waypoint> = self.robots[index].route.horizon().copied().collect();
-        let Some(target) = horizon.iter().position(|node| node.cell.is_some_and(open)) else { return false };
-        let goal = horizon[target].cell.expect("it was just found");
+        let Some((target, goal)) = self.where_to_join(&horizon, &others, open) else { return false };
         let Some(around) = way::nearest(&self.floor, from, |cell| cell == goal, open) else { return false };
-        if around.len() < 2 {
+        let beside = self.robots[index].route.base_end().is_some_and(|end| end.cell.is_none());
+        if around.len() < 2 && !beside {
             return false;
         }
-        let mut places = self.places(&around[1..]);
-        places.extend(horizon[target + 1..].iter().copied());
+        let mut places = self.places(&around[usize::from(!beside)..]);
+        let joined = usize::from(horizon[target].cell == Some(goal));
+        places.extend(horizon[target + joined..].iter().copied());
         let ending = self.robots[index].route.ending().clone();
         let revision = self.replanning.revision();
         let robot = &mut self.robots[index];
@@ -347,6 +361,30 @@ impl Coordinator {
         let text = format!("{} m around what is in the way", (around.len() - 1) as f64 * lattice.cell_m);
         self.announcer.event(now, EventLevel::EventInfo, &id, "DETOUR", &text);
         true
+    }
+
+    /// The first place of a horizon that is not held, and the open cell from which to get there. Beside the lattice the
+    /// way from the cell to the place, and on from there, must be free as well.
+    fn where_to_join(
+        &self,
+        horizon: &[Waypoint],
+        others: &[Segment],
+        open: impl Fn(Cell) -> bool,
+    ) -> Option<(usize, Cell)> {
+        let separation = self.separation_m();
+        let free = |from: Point, to: &Waypoint| {
+            let edge = Segment::new(from, to.point);
+            others.iter().all(|held| held.distance(&edge) >= separation)
+                && self.zone_in_the_way(edge, to).is_none()
+        };
+        horizon.iter().enumerate().find_map(|(at, node)| {
+            if let Some(cell) = node.cell {
+                return open(cell).then_some((at, cell));
+            }
+            let goes_on = horizon.get(at + 1).is_none_or(|next| free(node.point, next));
+            let cell = self.nearest_cell_with_room(node.point, &self.floor).filter(|&cell| open(cell))?;
+            (goes_on && free(self.floor.lattice().center(cell), node)).then_some((at, cell))
+        })
     }
 
     /// Nothing local helps: the fleet is planned anew from where everybody stands.

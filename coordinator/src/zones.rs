@@ -29,6 +29,9 @@ pub(crate) struct Zone {
     pub(crate) id: u64,
     pub(crate) kind: ZoneType,
     pub(crate) cells: BTreeSet<usize>,
+    /// Of a quarantine: the lines on which a lost robot may stand, as far as its cells are not seen free. Whoever drives
+    /// beside the cells' centres keeps away from these.
+    pub(crate) ground: Vec<Segment>,
     /// Robot that reported it, or that was lost there.
     pub(crate) cause: String,
     pub(crate) since: Timestamp,
@@ -100,6 +103,7 @@ impl Zones {
             id,
             kind,
             cells,
+            ground: Vec::new(),
             cause: cause.to_owned(),
             since,
             locked_until: locked_until.max(since + Duration::from_secs_f64(distrust_s)),
@@ -126,6 +130,23 @@ impl Zones {
         }
     }
 
+    /// Says on which lines a lost robot may stand.
+    pub(crate) fn set_ground(&mut self, id: u64, ground: Vec<Segment>) {
+        if let Some(zone) = self.get_mut(id) {
+            zone.ground = ground;
+        }
+    }
+
+    /// The zone with ground nearer than `separation_m` to an edge, unless the edge leads away from it.
+    pub(crate) fn ground_near(&self, edge: Segment, separation_m: f64) -> Option<u64> {
+        let start = Segment::new(edge.from, edge.from);
+        let near = |line: &Segment| {
+            let gap_m = edge.distance(line);
+            gap_m < separation_m && gap_m < start.distance(line) - 1e-6
+        };
+        self.list.iter().find(|zone| zone.ground.iter().any(near)).map(|zone| zone.id)
+    }
+
     /// Takes cells out of the zones that `scan`, taken at `from`, sees through. Returns the cells freed.
     pub(crate) fn clear_by_scan(
         &mut self,
@@ -147,6 +168,11 @@ impl Zones {
                 self.blocked[index] -= 1;
                 freed.push(index);
             }
+            let lattice = floor.lattice();
+            let centers: Vec<Point> =
+                zone.cells.iter().map(|&index| lattice.center(lattice.cell(index))).collect();
+            let reach_m = 2.0 * floor.body_radius_m() + lattice.cell_m;
+            zone.ground.retain(|line| centers.iter().any(|&center| line.distance_to_point(center) < reach_m));
         }
         self.list.retain(|zone| !zone.cells.is_empty());
         freed

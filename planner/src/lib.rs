@@ -104,6 +104,20 @@ pub fn plan(instance: &Instance<'_>, options: &PlanOptions) -> Result<VerifiedPl
     Ok(if better { repaired } else { fresh })
 }
 
+/// Takes in a plan of the caller's own making: it can be driven when it stands the test.
+///
+/// # Errors
+///
+/// [`VerifyError`]: the first thing found wrong.
+pub fn accept(
+    instance: &Instance<'_>,
+    plan: Plan,
+    planner: &'static str,
+) -> Result<VerifiedPlan, VerifyError> {
+    let figures = verify(instance, &plan)?;
+    Ok(VerifiedPlan::new(plan, figures, planner))
+}
+
 fn checked(
     instance: &Instance<'_>,
     mut plan: Plan,

@@ -61,3 +61,14 @@ pub fn by_name(name: &str) -> Option<&'static Planner> {
 pub fn names() -> String {
     PLANNERS.iter().map(|planner| planner.name).collect::<Vec<_>>().join(", ")
 }
+
+/// Planners whose routes go from cell centre to cell centre and pass each cell to visit. All others may lead anywhere,
+/// and sweep as much as is asked of them: they are planned for with room for a body that does not keep to its line
+/// exactly.
+const ON_LATTICE: &[&str] =
+    &["forest-search", "tmstc-star", "mfc", "mstc-star", "mstc", "mstc-optimized", "darp", "msa-mtsp", "stc"];
+
+/// Whether the planner with this name keeps to the lattice.
+pub fn keeps_to_lattice(name: &str) -> bool {
+    ON_LATTICE.contains(&name)
+}

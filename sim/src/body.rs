@@ -148,9 +148,18 @@ impl Body {
         let was = (self.speed_m_per_s, self.angular_speed_rad_per_s);
         self.speed_m_per_s =
             towards(was.0, asked.speed_m_per_s.clamp(-top, top), limits.acceleration_m_per_s2 * step_s);
+        // Told to stand, or braked by the end of its run, it stays on the bend that it is on.
+        let slowed = asked.speed_m_per_s.abs().max(0.02).recip() * self.speed_m_per_s.abs();
+        let on_bend = if asked == Twist::default() && was.0.abs() > 0.02 {
+            was.1 * self.speed_m_per_s / was.0
+        } else if asked.speed_m_per_s.abs() > 0.02 && top < asked.speed_m_per_s.abs() {
+            asked.angular_speed_rad_per_s * slowed.min(1.0)
+        } else {
+            asked.angular_speed_rad_per_s
+        };
         self.angular_speed_rad_per_s = towards(
             was.1,
-            asked.angular_speed_rad_per_s.clamp(-top_turn, top_turn),
+            on_bend.clamp(-top_turn, top_turn),
             limits.angular_acceleration_rad_per_s2 * step_s,
         );
         let way_m = f64::midpoint(was.0, self.speed_m_per_s) * step_s;

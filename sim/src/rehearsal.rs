@@ -21,7 +21,8 @@ use crate::{
     world::World,
 };
 use agent::Agent;
-use coordinator::{Coordinator, Publication, recorder::Record};
+use coordinator::{Coordinator, PlanRequest, Publication, recorder::Record};
+use planner::{PlanError, VerifiedPlan};
 use protocol::{Timestamp, v1};
 use rand::RngExt;
 use std::sync::Arc;
@@ -32,17 +33,19 @@ use terrain::FloorError;
 const EPILOGUE: Duration = Duration::from_millis(300);
 
 /// How to rehearse.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Options {
     /// Virtual time that each plan takes.
     pub planning: Duration,
+    /// Answers the coordinator's requests.
+    pub planner: fn(&PlanRequest) -> Result<VerifiedPlan, PlanError>,
     /// The run is given up after this much virtual time, seconds.
     pub virtual_max_s: f64,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { planning: Duration::from_millis(50), virtual_max_s: 6.0 * 3600.0 }
+        Self { planning: Duration::from_millis(50), planner: PlanRequest::run, virtual_max_s: 6.0 * 3600.0 }
     }
 }
 
@@ -348,7 +351,7 @@ impl<'a> Rehearsal<'a> {
                     let planning_s = self.options.planning.as_secs_f64();
                     let answer = coordinator::Input::Planned {
                         revision: request.revision,
-                        result: request.run(),
+                        result: (self.options.planner)(&request),
                         planning_s,
                     };
                     self.planned.push((self.now() + self.options.planning, answer));

@@ -75,6 +75,11 @@ pub fn samples_swept_from(lattice: &Lattice, cell: Cell, center: Point, radius_m
     samples_within(lattice, cell, Segment::new(center, center), radius_m)
 }
 
+/// The samples of a cell that a disc of `radius_m` metres sweeps along a segment.
+pub fn samples_swept_along(lattice: &Lattice, cell: Cell, segment: Segment, radius_m: f64) -> u64 {
+    samples_within(lattice, cell, segment, radius_m)
+}
+
 /// The samples of one cell that lie within `radius_m` of a segment.
 pub(crate) fn samples_within(lattice: &Lattice, cell: Cell, segment: Segment, radius_m: f64) -> u64 {
     let center = lattice.center(cell);

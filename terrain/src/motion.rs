@@ -64,11 +64,7 @@ impl MotionModel {
     }
 
     fn stretch_s(&self, stretch: &Stretch) -> f64 {
-        if stretch.is_straight() {
-            self.run_s(stretch.length_m())
-        } else {
-            stretch.speeds(self).total_s()
-        }
+        if stretch.is_straight() { self.run_s(stretch.length_m()) } else { stretch.speeds(self).total_s() }
     }
 
     /// Distance to stop from `speed_m_per_s`, metres.

@@ -280,7 +280,8 @@ impl Speeds {
         let mut speeds =
             Self { at_m, speed_m_per_s, cap_m_per_s, acceleration_m_per_s2: model.acceleration_m_per_s2 };
         for at in (1..speeds.at_m.len()).rev() {
-            speeds.speed_m_per_s[at - 1] = speeds.speed_m_per_s[at - 1].min(speeds.reachable_m_per_s(at, at - 1));
+            speeds.speed_m_per_s[at - 1] =
+                speeds.speed_m_per_s[at - 1].min(speeds.reachable_m_per_s(at, at - 1));
         }
         speeds
     }
@@ -333,7 +334,8 @@ fn cap_m_per_s(knot: &Knot, next_m: f64, model: &MotionModel) -> f64 {
     let curvature_then = knot.curvature_per_m + knot.rate_per_m2 * (next_m - knot.at_m);
     let curvature = knot.curvature_per_m.abs().max(curvature_then.abs());
     let by_turning = model.angular_speed_rad_per_s / curvature;
-    let by_steering = (STEERING_SHARE * model.angular_acceleration_rad_per_s2 / knot.rate_per_m2.abs()).sqrt();
+    let by_steering =
+        (STEERING_SHARE * model.angular_acceleration_rad_per_s2 / knot.rate_per_m2.abs()).sqrt();
     let cap = model.speed_m_per_s;
     // Straight, both bounds are no numbers or infinite.
     cap.min(by_turning).min(by_steering)
@@ -389,7 +391,8 @@ mod tests {
     #[test]
     fn a_straight_stretch_takes_the_time_of_a_run() {
         for length_m in [0.3, 1.0, 7.0] {
-            let points: Vec<Point> = (0..8).map(|at| Point::new(f64::from(at) / 7.0 * length_m, 0.0)).collect();
+            let points: Vec<Point> =
+                (0..8).map(|at| Point::new(f64::from(at) / 7.0 * length_m, 0.0)).collect();
             let stretch = whole(&points);
             assert!(stretch.is_straight());
             let (run_s, total_s) = (MODEL.run_s(length_m), stretch.speeds(&MODEL).total_s());
@@ -445,7 +448,10 @@ mod tests {
             assert!(speed * curvature.abs() <= MODEL.angular_speed_rad_per_s + 1e-6);
             let braking = (before * before - speed * speed) / (2.0 * step_m);
             // Down by braking; up is the robot's business.
-            assert!(braking < MODEL.acceleration_m_per_s2 * 1.02 || before - speed < 0.02, "{braking} at {at_m}");
+            assert!(
+                braking < MODEL.acceleration_m_per_s2 * 1.02 || before - speed < 0.02,
+                "{braking} at {at_m}"
+            );
             time_s += step_m / speed.max(0.05);
             before = speed;
         }

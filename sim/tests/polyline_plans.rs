@@ -1,0 +1,176 @@
+//! Plans that leave the lattice are driven like any other: as planned without faults, and to the last cell with them.
+//!
+//! The planner here is a stand-in that rounds the corners of a lattice plan: smooth lines beside the cells' centres, which
+//! leave a little unswept. `STORIES=7..8 cargo test -p sim --test polyline_plans -- --nocapture` plays other random
+//! stories, and shows them.
+
+use coordinator::{PlanRequest, recorder::Record};
+use planner::{Plan, PlanError, PlanOptions, Route, VerifiedPlan, planners::keeps_to_lattice};
+use protocol::Timestamp;
+use sim::{Options, Outcome, Rehearsal, Scenario, random_story};
+use std::{
+    collections::BTreeMap,
+    f64::consts::FRAC_PI_2,
+    ops::Range,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+use terrain::{Point, Segment, Vector};
+
+const ROUNDED: &str = "rounded";
+
+/// A lattice plan with its corners rounded, where there is room.
+fn rounded(request: &PlanRequest) -> Result<VerifiedPlan, PlanError> {
+    if keeps_to_lattice(&request.options.planner) {
+        return request.run();
+    }
+    let mut on_lattice = request.clone();
+    on_lattice.options = PlanOptions { planner: "tmstc-star".to_owned(), ..request.options.clone() };
+    on_lattice.incumbent.clear();
+    let plan = on_lattice.run()?;
+    let routes = plan.routes().iter().map(|route| Route { points: round(request, &route.points) }).collect();
+    let mut instance = request.instance().with_open_starts();
+    instance.coverage_min = 0.9;
+    let unsupported =
+        |error: planner::VerifyError| PlanError::Unsupported { planner: ROUNDED, reason: error.to_string() };
+    planner::accept(&instance, Plan { routes }, ROUNDED).map_err(unsupported)
+}
+
+fn round(request: &PlanRequest, points: &[Point]) -> Vec<Point> {
+    let radius_m = 0.5 * request.floor.lattice().cell_m;
+    let mut line: Vec<Point> = points.first().copied().into_iter().collect();
+    for three in points.windows(3) {
+        let (before, after) = ((three[1] - three[0]), (three[2] - three[1]));
+        let from = three[1] - before * 0.5;
+        let quarter = before.dot(&after).abs() < 1e-9 && before.norm() > radius_m;
+        let arc = quarter.then(|| arc(from, before.normalize(), after.normalize(), radius_m));
+        let is_free = |arc: &Vec<Point>| {
+            arc.windows(2).all(|pair| request.floor.segment_is_free(Segment::new(pair[0], pair[1])))
+        };
+        match arc.filter(is_free) {
+            Some(arc) => line.extend(arc),
+            None => line.extend([three[1]]),
+        }
+    }
+    line.extend(points.last().filter(|_| points.len() > 1));
+    line
+}
+
+fn arc(from: Point, along: Vector, then: Vector, radius_m: f64) -> Vec<Point> {
+    let share = |step: u32| f64::from(step) / 8.0 * FRAC_PI_2;
+    let place = |a: f64| from + along * (radius_m * a.sin()) + then * (radius_m * (1.0 - a.cos()));
+    (0..=8).map(share).map(place).collect()
+}
+
+fn scenarios() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios")
+}
+
+fn load(file: &str, change: impl FnOnce(&mut Scenario)) -> Arc<Scenario> {
+    let mut scenario = Scenario::load(scenarios().join(file)).unwrap_or_else(|error| panic!("{error}"));
+    scenario.file.mission.planner = ROUNDED.to_owned();
+    change(&mut scenario);
+    Arc::new(scenario)
+}
+
+fn options() -> Options {
+    Options { planner: rounded, virtual_max_s: 7200.0, ..Options::default() }
+}
+
+fn state_of(outcome: &Outcome) -> &'static str {
+    outcome.result.as_ref().map_or("none", |result| result.mission_state().as_str_name())
+}
+
+/// What was seen of one robot's first order.
+#[derive(Debug, Default)]
+struct Track {
+    heading_rad: f64,
+    ordered: Option<Timestamp>,
+    nodes: BTreeMap<(u64, u64), Point>,
+    passed: (u64, u64),
+    passed_at: Timestamp,
+}
+
+#[test]
+fn smooth_plans_are_driven_as_planned() {
+    let scenario = load("office.toml", |scenario| scenario.file.faults.clear());
+    let motion = scenario.file.robot.motion();
+    let mut tracks: BTreeMap<String, Track> = BTreeMap::new();
+    let mut residual = None;
+    let mut sink = |now: Timestamp, record: &Record| match record {
+        Record::Order { robot, order } if order.plan_revision <= 1 => {
+            let track = tracks.entry(robot.clone()).or_default();
+            track.ordered.get_or_insert(now);
+            let first = order.nodes.first().map_or(0, |node| node.sequence_id);
+            track.nodes.retain(|&(order_id, sequence), _| order_id < order.order_id || sequence < first);
+            for node in &order.nodes {
+                track.nodes.insert((order.order_id, node.sequence_id), Point::new(node.x_m, node.y_m));
+            }
+        }
+        Record::Order { .. } => {
+            residual.get_or_insert(now);
+        }
+        Record::State(state) if residual.is_none() => {
+            let Some(header) = &state.header else { return };
+            let track = tracks.entry(header.serial_number.clone()).or_default();
+            if track.ordered.is_none() {
+                track.heading_rad = state.pose.map_or(0.0, |pose| pose.theta_rad);
+            }
+            let passed = (state.order_id, state.last_node_sequence_id);
+            if passed > track.passed {
+                (track.passed, track.passed_at) = (passed, now);
+            }
+        }
+        _ => {}
+    };
+    let outcome = Rehearsal::run(&scenario, 1, options(), Some(&mut sink)).expect("the floor is sound");
+    println!("{}", outcome.transcript.text());
+    assert_eq!(outcome.violations, [], "{}", outcome.transcript.text());
+    assert_eq!(state_of(&outcome), "COMPLETED", "{}", outcome.transcript.text());
+    for (id, track) in &tracks {
+        let points: Vec<Point> = track.nodes.values().copied().collect();
+        let planned_s = motion.path_s(&points, Some(track.heading_rad));
+        let driven_s = track.passed_at.secs_since(track.ordered.expect("every robot has work"));
+        println!("{id} planned {planned_s:.2} s, driven {driven_s:.2} s, ratio {:.4}", driven_s / planned_s);
+        assert!((driven_s / planned_s - 1.0).abs() < 0.05, "{id}: {driven_s} s, planned {planned_s} s");
+    }
+}
+
+#[test]
+fn with_a_robot_killed_half_way_a_smooth_plan_is_completed() {
+    let kill = "kind = \"kill\"\nrobot = \"r2\"\nwhen_covered_percent = 50.0";
+    let fault: sim::FaultEntry = toml::from_str(kill).expect("a fault");
+    let scenario = load("office.toml", |scenario| scenario.file.faults = vec![fault]);
+    let outcome = Rehearsal::run(&scenario, 1, options(), None).expect("the floor is sound");
+    println!("{}", outcome.transcript.text());
+    assert_eq!(outcome.violations, [], "{}", outcome.transcript.text());
+    assert_eq!((state_of(&outcome), outcome.contacts), ("COMPLETED", 0), "{}", outcome.transcript.text());
+}
+
+/// Played in every test run.
+const STORIES: Range<u64> = 0..12;
+
+fn wanted() -> Option<Range<u64>> {
+    let text = std::env::var("STORIES").ok()?;
+    let (from, to) = text.split_once("..").expect("STORIES=FROM..TO");
+    Some(from.parse().expect("a number")..to.parse().expect("a number"))
+}
+
+#[test]
+fn no_random_story_breaks_an_invariant() {
+    let shown = wanted();
+    let mut broken = Vec::new();
+    for seed in shown.clone().unwrap_or(STORIES) {
+        let mut scenario = Arc::unwrap_or_clone(random_story(seed));
+        scenario.file.mission.planner = ROUNDED.to_owned();
+        let options = Options { virtual_max_s: 1800.0, ..options() };
+        let outcome = Rehearsal::run(&Arc::new(scenario), seed, options, None).expect("the floor is sound");
+        if shown.is_some() {
+            println!("{}", outcome.transcript.text());
+        }
+        for violation in outcome.violations.iter().take(3) {
+            broken.push(format!("story {seed}: {violation}"));
+        }
+    }
+    assert!(broken.is_empty(), "{}", broken.join("\n"));
+}
