@@ -100,8 +100,9 @@ impl Bend {
             behind_m -= gone_m;
             at_m -= gone_m;
         }
-        if let Some(grown) = Self::along(path, order, model, at_m) {
-            *self = grown;
+        match Self::along(path, order, model, at_m) {
+            Some(grown) => *self = grown,
+            None => self.lost = true,
         }
     }
 
@@ -121,13 +122,13 @@ impl Bend {
         self.at_m = at_m;
         self.pass_nodes(order);
         let to_end_m = self.stretch.length_m() - self.at_m;
-        let speed = if stop { 0.0 } else { self.speed(to_end_m, moving, model) };
+        let speed = if stop || self.lost { 0.0 } else { self.speed(to_end_m, moving, model) };
         let slowest = moving.speed_m_per_s - model.acceleration_m_per_s2 * TICK_S;
         let speed_m_per_s = speed.max(slowest).max(0.0);
         let (_, curvature) = self.stretch.bearing(self.at_m + moving.speed_m_per_s * TICK_S);
         let (heading, _) = self.stretch.bearing(self.at_m);
         let heading_error = angle_between(heading, place.theta);
-        self.lost = heading_error.abs() > LOST_RAD || left_m.abs() > LOST_M;
+        self.lost |= heading_error.abs() > LOST_RAD || left_m.abs() > LOST_M;
         let near = (moving.speed_m_per_s / 0.2).clamp(0.0, 1.0);
         let correction = -(HEADING_GAIN * near.max(0.5) * heading_error + SIDE_GAIN * left_m * near);
         let steered = correction.clamp(-CORRECTION_MAX_RAD_PER_S, CORRECTION_MAX_RAD_PER_S);

@@ -405,11 +405,11 @@ fn a_spiral_is_driven_to_its_middle() {
 
 #[test]
 fn an_s_curve_with_straight_ends_is_driven_through() {
-    let mut curve = vec![(-3.0, 0.0)];
+    let mut curve: Vec<(f64, f64)> = (-6..0).map(|at| (0.5 * f64::from(at), 0.0)).collect();
     curve.extend(sampled(160, |share| {
         (8.0 * share, 0.5 * (1.0 - (4.0 * std::f64::consts::PI * share).cos()))
     }));
-    curve.push((11.0, 0.0));
+    curve.extend((1..7).map(|at| (8.0 + 0.5 * f64::from(at), 0.0)));
     for motion in [motion(), FAST] {
         drive_all("s-curve", &curve, motion);
     }
