@@ -174,3 +174,43 @@ fn no_random_story_breaks_an_invariant() {
     }
     assert!(broken.is_empty(), "{}", broken.join("\n"));
 }
+
+/// A floor of ../shared/instances/mcfs, five times as large (its tool is 0.1 m wide: as narrow as poses are noisy), with
+/// the robots that it lists.
+fn of_mcfs(name: &str, planner: &str, faults: &str) -> Option<Arc<Scenario>> {
+    const LARGER: f64 = 5.0;
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../shared/instances/mcfs/{name}.json"));
+    let Ok(text) = std::fs::read_to_string(file) else {
+        println!("skipped: ../shared/instances/mcfs/{name}.json is not here");
+        return None;
+    };
+    let value: serde_json::Value = serde_json::from_str(&text).expect("an instance");
+    let ring = |ring: &serde_json::Value| -> Vec<[f64; 2]> {
+        let corner = |at: &serde_json::Value| [0, 1].map(|axis| at[axis].as_f64().expect("a number") * LARGER);
+        ring.as_array().expect("a ring").iter().map(corner).collect()
+    };
+    let holes: Vec<_> = value["polygon"]["holes"].as_array().into_iter().flatten().map(ring).collect();
+    let larger = serde_json::json!({ "exterior": ring(&value["polygon"]["exterior"]), "holes": holes });
+    let map = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}.json"));
+    std::fs::write(&map, larger.to_string()).expect("the folder for tests is writable");
+    let count = value["robots"].as_array().map_or(1, Vec::len);
+    let scenario = format!(
+        "[mission]\nid = \"{name}\"\nmap = {map:?}\n[robot]\ntool_width_m = 0.5\n\
+         [fleet]\ncount = {count}\nspread = true\n{faults}"
+    );
+    let mut scenario = Scenario::parse(&scenario, Path::new("mcfs.toml")).unwrap_or_else(|error| panic!("{error}"));
+    scenario.file.mission.planner = planner.to_owned();
+    Some(Arc::new(scenario))
+}
+
+#[test]
+fn polygons_with_a_robot_killed_half_way_are_completed() {
+    for name in ["double_torus", "office"] {
+        let kill = "[[fault]]\nkind = \"kill\"\nrobot = \"r2\"\nwhen_covered_percent = 50.0\n";
+        let Some(scenario) = of_mcfs(name, ROUNDED, kill) else { return };
+        let outcome = Rehearsal::run(&scenario, 1, options(), None).expect("the floor is sound");
+        println!("{}", outcome.transcript.text());
+        assert_eq!(outcome.violations, [], "{}", outcome.transcript.text());
+        assert_eq!((state_of(&outcome), outcome.contacts), ("COMPLETED", 0), "{}", outcome.transcript.text());
+    }
+}
