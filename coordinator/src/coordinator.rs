@@ -34,8 +34,6 @@ pub struct Coordinator {
     pub(crate) robots: Vec<Robot>,
     pub(crate) by_id: BTreeMap<String, RobotIndex>,
     pub(crate) stations: Vec<StationState>,
-    /// Moves from each cell to the nearest station that works.
-    pub(crate) station_moves: Vec<u32>,
     pub(crate) state: MissionState,
     pub(crate) replanning: Replanning,
     pub(crate) announcer: Announcer,
@@ -75,7 +73,6 @@ impl Coordinator {
             robots,
             by_id,
             stations,
-            station_moves: Vec::new(),
             state: MissionState::Created,
             replanning: Replanning::default(),
             started: None,

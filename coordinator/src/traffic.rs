@@ -58,7 +58,10 @@ impl Coordinator {
         }
         let mut ahead_m = self.robots[index].base_ahead_m();
         let mut blocker = None;
-        while ahead_m < self.config.timing.base_length_m && !self.is_held_back(now, index) {
+        while ahead_m < self.config.timing.base_length_m
+            && !self.is_held_back(now, index)
+            && self.lasts_for_next(index)
+        {
             let Some((edge, to)) = self.robots[index].route.next_edge() else { break };
             blocker = self.what_blocks(index, edge, &to);
             if blocker.is_some() {
