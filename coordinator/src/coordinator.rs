@@ -34,6 +34,8 @@ pub struct Coordinator {
     pub(crate) robots: Vec<Robot>,
     pub(crate) by_id: BTreeMap<String, RobotIndex>,
     pub(crate) stations: Vec<StationState>,
+    /// By cell: no battery lasts from a station there and back. Empty before the start.
+    pub(crate) out_of_range: Vec<bool>,
     pub(crate) state: MissionState,
     pub(crate) replanning: Replanning,
     pub(crate) announcer: Announcer,
@@ -73,6 +75,7 @@ impl Coordinator {
             robots,
             by_id,
             stations,
+            out_of_range: Vec::new(),
             state: MissionState::Created,
             replanning: Replanning::default(),
             started: None,

@@ -33,6 +33,8 @@ const IMBALANCE_S: f64 = 40.0;
 const REBALANCE_APART: Duration = Duration::from_secs(30);
 /// A mission in which nothing moves forward for so long ends.
 const STALLED_S: f64 = 420.0;
+/// … and one in which nothing is covered for so long, though batteries are charged.
+const FRUITLESS_S: f64 = 3600.0;
 /// So long may the robots take home.
 const HOME_MAX_S: f64 = 300.0;
 
@@ -47,6 +49,7 @@ pub(crate) struct IdleChecks {
     /// What was covered and charged when something last moved forward, and when that was.
     progress: (f64, f64),
     progress_at: Timestamp,
+    covered_at: Timestamp,
 }
 
 impl IdleChecks {
@@ -97,6 +100,7 @@ impl Coordinator {
             if !missing.is_empty() {
                 text = format!("{text}, without {}", missing.join(", "));
             }
+            self.name_what_is_out_of_range(now);
             self.need_plan(now, Cause::fleet(ReplanCause::CauseStart, &text));
         }
     }
@@ -132,10 +136,15 @@ impl Coordinator {
         if forward || charge < charge_before {
             self.idle_checks.progress = (covered, charge);
         }
-        if forward || self.idle_checks.progress_at == Timestamp::ZERO {
+        let first = self.idle_checks.progress_at == Timestamp::ZERO;
+        if forward || first {
             self.idle_checks.progress_at = now;
         }
+        if covered > covered_before + 1e-9 || first {
+            self.idle_checks.covered_at = now;
+        }
         now.secs_since(self.idle_checks.progress_at) > STALLED_S
+            || now.secs_since(self.idle_checks.covered_at) > FRUITLESS_S
     }
 
     fn check_abandoned(&mut self, now: Timestamp) {
@@ -308,6 +317,9 @@ impl Coordinator {
         let from = lattice.cell(index);
         if self.zones.holds(index) {
             return UnreachableReason::Obstacle;
+        }
+        if !self.is_in_range(index) {
+            return UnreachableReason::OutOfRange;
         }
         let starts: Vec<Cell> =
             self.robots.iter().filter_map(|robot| lattice.cell_at(robot.position()?)).collect();

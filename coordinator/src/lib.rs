@@ -17,6 +17,7 @@ mod ledger;
 mod operator;
 mod output;
 mod presence;
+mod range;
 pub mod recorder;
 mod replan;
 mod result;

@@ -267,7 +267,7 @@ impl Coordinator {
         let reachable = self.reachable(blocked, starts);
         let mut visit = vec![false; blocked.len()];
         for index in self.ledger.open_cells() {
-            if let Some(stand) = self.stand_for(index, &reachable) {
+            if let Some(stand) = self.stand_for(index, &reachable).filter(|&stand| self.is_in_range(stand)) {
                 visit[stand] = true;
             }
         }
