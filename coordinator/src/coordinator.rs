@@ -19,6 +19,9 @@ use terrain::{Cell, Floor, FloorError};
 /// Pose error and tracking error that a sweep may have and still count, metres: what can be swept is reckoned
 /// with a tool that is smaller by this on all sides.
 pub(crate) const COVERAGE_TOLERANCE_M: f64 = 0.04;
+/// Routes keep bodies so far from walls, metres: tracking and pose error, and the 2 cm beside its body in which a robot
+/// stops for whatever its range finder sees.
+pub const WALL_MARGIN_M: f64 = 0.04;
 /// How often the coordinator looks around by itself.
 const TICK: Duration = Duration::from_millis(100);
 
@@ -62,7 +65,12 @@ impl Coordinator {
     pub fn new(config: Config) -> Result<Self, FloorError> {
         let mission = &config.mission;
         let tool_width_m = mission.tool_width_m - 2.0 * COVERAGE_TOLERANCE_M;
-        let floor = Arc::new(Floor::new(&mission.map, mission.cell_m, mission.body_radius_m, tool_width_m)?);
+        let floor = Arc::new(Floor::new(
+            &mission.map,
+            mission.cell_m,
+            mission.body_radius_m + WALL_MARGIN_M,
+            tool_width_m,
+        )?);
         let required = (0..floor.lattice().len()).map(|index| floor.required(index)).collect();
         let robots: Vec<Robot> = mission.robots.iter().map(|id| Robot::new(id)).collect();
         let by_id = mission.robots.iter().enumerate().map(|(index, id)| (id.clone(), index)).collect();

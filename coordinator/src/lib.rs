@@ -32,6 +32,6 @@ mod way;
 mod zones;
 
 pub use config::{Config, Mission, Station, Timing};
-pub use coordinator::Coordinator;
+pub use coordinator::{Coordinator, WALL_MARGIN_M};
 pub use input::Input;
 pub use output::{Output, PlanRequest, Publication};

@@ -208,8 +208,13 @@ impl Coordinator {
 
     /// Takes a robot's ground away and begins a new order where it stands.
     pub(crate) fn restart_route(&mut self, _now: Timestamp, index: RobotIndex) {
-        let order_id = self.fresh_order_id();
         self.orphan_route(index);
+        self.begin_order_where_it_stands(index);
+    }
+
+    /// The same, but what it was to drive is given to nobody.
+    pub(crate) fn begin_order_where_it_stands(&mut self, index: RobotIndex) {
+        let order_id = self.fresh_order_id();
         let robot = &mut self.robots[index];
         let Some(position) = robot.position() else { return };
         if robot.route.order_id() != 0 {

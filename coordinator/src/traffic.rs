@@ -321,7 +321,7 @@ impl Coordinator {
     }
 
     /// A way around ground that will not come free soon: to the first place of the route that is not held.
-    fn detour(&mut self, now: Timestamp, index: RobotIndex) -> bool {
+    pub(crate) fn detour(&mut self, now: Timestamp, index: RobotIndex) -> bool {
         let Some(from) = self.start_cell(index) else { return false };
         let separation = self.separation_m();
         let lattice = *self.floor.lattice();
@@ -347,7 +347,7 @@ impl Coordinator {
         robot.wait = None;
         robot.order_sent = Timestamp::ZERO;
         let id = robot.id.clone();
-        let text = format!("{} m around what is in the way", (around.len() - 1) as f64 * lattice.cell_m);
+        let text = format!("{:.1} m around what is in the way", (around.len() - 1) as f64 * lattice.cell_m);
         self.announcer.event(now, EventLevel::EventInfo, &id, "DETOUR", &text);
         true
     }
