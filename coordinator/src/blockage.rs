@@ -19,8 +19,6 @@ use protocol::{
 };
 use terrain::{Point, Segment};
 
-/// Hits of a scan as near as this to a wall of the map are the wall, metres.
-const WALL_SLACK_M: f64 = 0.1;
 /// What was seen free is taken up after so long when no robot is idle, seconds.
 const GATHER_S: f64 = 60.0;
 /// Other hits as near as this to a blockage belong to it, metres.
@@ -189,7 +187,7 @@ impl Coordinator {
 
     /// Whether a hit is a wall of the map or another robot.
     fn is_known(&self, index: RobotIndex, hit: Point) -> bool {
-        let wall = !self.config.mission.map.disc_is_free(hit, WALL_SLACK_M);
+        let wall = !self.config.mission.map.disc_is_free(hit, zones::WALL_SLACK_M);
         let body_m = self.config.mission.body_radius_m + 0.15;
         wall || self.robots.iter().enumerate().any(|(other, robot)| {
             other != index

@@ -29,8 +29,9 @@ const LOOK_AGAIN_S: f64 = 15.0;
 const LOOK_FROM_M: f64 = 1.3;
 /// Robots that had this much less to do than others make the fleet be planned anew, seconds.
 const IMBALANCE_S: f64 = 40.0;
-/// At least this long between two such plans.
+/// At least this long between two such plans; doubled each time that the work turns out to be such as cannot be shared.
 const REBALANCE_APART: Duration = Duration::from_secs(30);
+const REBALANCE_DOUBLED_MAX: u32 = 5;
 /// A mission in which nothing moves forward for so long ends.
 const STALLED_S: f64 = 420.0;
 /// … and one in which nothing is covered for so long, though batteries are charged.
@@ -44,6 +45,9 @@ pub(crate) struct IdleChecks {
     covered_before_pass: f64,
     fruitless: u32,
     rebalanced: Timestamp,
+    /// How often in a row the most that a robot had to do was hardly less after such a plan, and how much it was, s.
+    in_vain: u32,
+    most_s: f64,
     looked: Option<Timestamp>,
     homeward: Option<Timestamp>,
     /// What was covered and charged when something last moved forward, and when that was.
@@ -347,7 +351,7 @@ impl Coordinator {
 
     /// A robot stands idle while others have long to go: plan anew, if that is worth it.
     fn check_balance(&mut self, now: Timestamp) {
-        if now.since(self.idle_checks.rebalanced) < REBALANCE_APART {
+        if now.since(self.idle_checks.rebalanced) < REBALANCE_APART * (1 << self.idle_checks.in_vain) {
             return;
         }
         let Some(idle) = self.coverers().into_iter().find(|&robot| self.robots[robot].route.is_done()) else {
@@ -356,6 +360,10 @@ impl Coordinator {
         let most_s =
             self.coverers().into_iter().map(|robot| self.robots[robot].remaining_s).fold(0.0, f64::max);
         if most_s > IMBALANCE_S {
+            let shared = most_s < 0.6 * self.idle_checks.most_s;
+            let doubled = (self.idle_checks.in_vain + 1).min(REBALANCE_DOUBLED_MAX);
+            self.idle_checks.in_vain = if shared || self.idle_checks.most_s == 0.0 { 0 } else { doubled };
+            self.idle_checks.most_s = most_s;
             self.idle_checks.rebalanced = now;
             let text = format!("is done while another has {most_s:.0} s to go");
             self.need_plan(now, Cause::of(ReplanCause::CauseFinishedEarly, idle, &text));

@@ -64,7 +64,7 @@ impl Series {
         format!(
             "| {} | {} | {:.2} | {:.0} | {:.1} | {:.1} | {:.1} | {:.0} |",
             self.people,
-            if self.endless { "∞" } else { "1,200 s" },
+            if self.endless { "∞" } else { "2,100 s" },
             self.mean(|day| result(day).progress.unwrap_or_default().covered_percent),
             self.mean(|day| result(day).duration_s),
             self.mean(|day| events(day, "CHARGING")),
