@@ -368,9 +368,10 @@ mod tests {
             world.people.iter().map(|person| (round(person.position.x), round(person.position.y))).collect()
         };
         wait(&mut world, 4.0);
-        assert_eq!(places(&world), [(8.5, 0.5), (8.5, 1.3), (8.5, 2.1)]);
+        let queue = [(8.5, 0.5), (8.5, 1.3), (8.5, 2.1)];
+        assert_eq!(places(&world), queue);
         wait(&mut world, 4.0);
-        assert!(places(&world).iter().all(|&place| place.0 != 8.5));
+        assert!(places(&world).iter().zip(&queue).all(|(now, before)| now != before), "{:?}", places(&world));
         wait(&mut world, 13.0);
         assert!(world.people.is_empty());
         let refusal = world.command(&text.replace("count = 3", "count = 4")).unwrap_err();

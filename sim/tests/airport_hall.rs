@@ -66,6 +66,7 @@ fn play(scenario: &Arc<Scenario>, day: u64) -> Outcome {
             result.replans,
             result.gaps.len(),
         );
+        result.gaps.iter().for_each(|gap| println!("         gap: {}", gap.text));
     }
     outcome
 }
