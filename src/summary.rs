@@ -16,6 +16,8 @@ pub struct Report {
     pub covered_m2: f64,
     /// Area that can be covered, square metres.
     pub coverable_m2: f64,
+    /// Free ground that the tool touches from no cell's centre, square metres.
+    pub untouchable_m2: f64,
     /// Mission time, seconds.
     pub duration_s: f64,
     /// Makespan of the first plan, seconds.
@@ -38,6 +40,7 @@ impl Report {
             covered_percent: progress.covered_percent,
             covered_m2: progress.covered_m2,
             coverable_m2: progress.coverable_m2,
+            untouchable_m2: progress.untouchable_m2,
             duration_s: result.duration_s,
             planned_s: result.planned_makespan_s,
             replans: result.replans,
@@ -62,6 +65,11 @@ impl std::fmt::Display for Report {
             f,
             "covered      {:.2} % ({:.1} of {:.1} m²)",
             self.covered_percent, self.covered_m2, self.coverable_m2
+        )?;
+        writeln!(
+            f,
+            "untouchable  {:.1} m² of free ground that the tool touches from no cell",
+            self.untouchable_m2
         )?;
         writeln!(f, "mission time {:.0} s (first plan: {:.0} s)", self.duration_s, self.planned_s)?;
         write!(f, "replans      {}, robots lost {}", self.replans, self.robots_lost)?;

@@ -1,10 +1,16 @@
-//! Obstacles that the map does not know: waited for, then made a zone, then seen free again.
+//! Obstacles that the map does not know: waited for, then deferred, then seen free again.
+//!
+//! A robot that has stood before something for `wait_threshold_s` makes the place a zone and goes on around it along its
+//! own route: no other robot hears of it, and a passer-by costs no plan. What the zone hides is deferred: it is taken up
+//! with the next plan after it was seen free, at the latest when a robot has nothing else to do. Only where a robot
+//! finds no way around is the fleet planned anew at once.
 
 use crate::{
     Coordinator,
     ledger::{RobotIndex, Status},
     replan::Cause,
-    robot::Phase,
+    robot::{Errand, Phase},
+    route::Waypoint,
     zones,
 };
 use protocol::{
@@ -13,10 +19,8 @@ use protocol::{
 };
 use terrain::{Point, Segment};
 
-/// Hits of a scan as near as this to a wall of the map are the wall, metres.
-const WALL_SLACK_M: f64 = 0.1;
-/// Sightings are gathered until none has come for so long.
-const GATHER_S: f64 = 4.0;
+/// What was seen free is taken up after so long when no robot is idle, seconds.
+const GATHER_S: f64 = 60.0;
 /// Other hits as near as this to a blockage belong to it, metres.
 const SAME_OBSTACLE_M: f64 = 0.8;
 
@@ -46,7 +50,7 @@ impl Sightings {
 
     /// What was seen, once it is complete; at once when a robot has nothing else to do.
     fn take(&mut self, now: Timestamp, idle: bool) -> Option<(RobotIndex, usize)> {
-        let complete = now.secs_since(self.last) > GATHER_S || now.secs_since(self.first) > 4.0 * GATHER_S;
+        let complete = now.secs_since(self.first) > GATHER_S;
         let pause = now.secs_since(self.last) > 1.0;
         (self.cells > 0 && (complete || idle && pause)).then(|| (self.by, std::mem::take(&mut self.cells)))
     }
@@ -129,14 +133,32 @@ impl Coordinator {
         let added = self.zones.add(ZoneType::ZoneBlocked, cells, &id, now, now);
         self.zones_changed();
         self.robots[index].obstacle_since = Some(now);
-        self.restart_route(now, index);
-        self.resume_errand(now, index);
         let near = reported.first().map_or_else(String::new, |p| format!(" at ({:.1}, {:.1}) m", p.x, p.y));
         let text = match added {
             Some(zone) => format!("obstacle{near} for {waited_s:.1} s, now zone {zone}"),
             None => format!("obstacle{near} still there"),
         };
+        if added.is_some() && self.goes_on_around(now, index) {
+            let text = format!("{text} → goes on around it");
+            self.announcer.event(now, EventLevel::EventWarning, &id, "BLOCKED", &text);
+            return;
+        }
+        self.restart_route(now, index);
+        self.resume_errand(now, index);
         self.need_plan(now, Cause::of(ReplanCause::CauseBlockage, index, &text));
+    }
+
+    /// Goes on along its own route, from the first place that is open and can be reached; what lies before is deferred.
+    fn goes_on_around(&mut self, now: Timestamp, index: RobotIndex) -> bool {
+        if self.robots[index].errand != Errand::Cover || self.replanning.is_busy() {
+            return false;
+        }
+        let rest: Vec<Waypoint> = self.robots[index].route.ahead().skip(1).copied().collect();
+        let ending = self.robots[index].route.ending().clone();
+        self.begin_order_where_it_stands(index);
+        let revision = self.replanning.revision();
+        self.robots[index].route.stitch(revision, rest, ending);
+        self.detour(now, index)
     }
 
     /// The cell a robot stands in is no part of a zone: it is there and nothing else is.
@@ -165,7 +187,7 @@ impl Coordinator {
 
     /// Whether a hit is a wall of the map or another robot.
     fn is_known(&self, index: RobotIndex, hit: Point) -> bool {
-        let wall = !self.config.mission.map.disc_is_free(hit, WALL_SLACK_M);
+        let wall = !self.config.mission.map.disc_is_free(hit, zones::WALL_SLACK_M);
         let body_m = self.config.mission.body_radius_m + 0.15;
         wall || self.robots.iter().enumerate().any(|(other, robot)| {
             other != index

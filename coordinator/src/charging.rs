@@ -1,14 +1,20 @@
 //! Batteries: who goes to charge when, where, and when it comes back.
 //!
-//! One rule, in one place: a robot goes when its charge falls below `minimum_desired_charging_level`, or earlier
-//! when what is left would no longer carry it over the ground it is about to be granted and from there to a
-//! station with `reserve_percent` to spare. It leaves the station at `sufficient_charging_level` while there is
-//! work that it can reach, at `maximum_desired_charging_level` otherwise. A station serves one robot; the others
-//! queue where they stand.
+//! One rule, in one place: before each piece of ground is granted, the battery must carry the robot over it and from
+//! its end to a station, by the way that is open now, with `reserve_percent` to spare (and the wait for the station,
+//! when others are before it); where it would not, the robot breaks off, anywhere in a lane. It also goes when its
+//! charge falls below `minimum_desired_charging_level`. It leaves the station at `sufficient_charging_level` while
+//! there is work that it can reach, at `maximum_desired_charging_level` otherwise. A station serves one robot; the
+//! others queue where they stand. A robot whose way to every station is blocked drives up to what is in the way, and
+//! goes on when that is seen free.
+//!
+//! The rule is safe because what home costs never rises faster along a way than driving it costs; the reserve pays
+//! for detours around people and other robots, and for errors of the energy model.
 
 use crate::{
     Coordinator,
     config::Station,
+    energy::Energy,
     ledger::RobotIndex,
     replan::Cause,
     robot::{Errand, Phase},
@@ -22,12 +28,12 @@ use protocol::{
 use std::{collections::VecDeque, time::Duration};
 use terrain::{Cell, Point};
 
-/// Ways on a crowded floor are longer than the shortest ones.
-const DETOUR_FACTOR: f64 = 1.3;
 /// A docked robot that is not charged for so long reports the station broken.
 const NO_CHARGE_S: f64 = 4.0;
 /// After so many tries in a row nobody waits for a station any more.
 pub(crate) const FAILURES_MAX: u32 = 2;
+/// How long a charge takes until one was seen, seconds.
+const CHARGE_S: f64 = 300.0;
 /// A broken station is tried again after this.
 const TRY_AGAIN: Duration = Duration::from_mins(2);
 
@@ -41,6 +47,12 @@ pub(crate) struct StationState {
     pub(crate) broken_until: Option<Timestamp>,
     /// How often in a row it gave no power.
     pub(crate) failures: u32,
+    /// Moves from each cell to it over ground that is open now.
+    moves: Vec<u32>,
+    /// When its robot began to charge, and with how much, percent.
+    charge_began: Option<(Timestamp, f64)>,
+    /// What it gives, percent of a battery a second, as seen last.
+    rate_percent_per_s: Option<f64>,
 }
 
 impl StationState {
@@ -52,15 +64,41 @@ impl StationState {
             queue: VecDeque::new(),
             broken_until: None,
             failures: 0,
+            moves: Vec::new(),
+            charge_began: None,
+            rate_percent_per_s: None,
         }
     }
+
+    /// Takes in how much its robot has by now.
+    fn note_rate(&mut self, now: Timestamp, charge_percent: f64) {
+        let Some((began, from_percent)) = self.charge_began else { return };
+        let (seconds, percent) = (now.secs_since(began), charge_percent - from_percent);
+        if seconds > NO_CHARGE_S && percent > 0.0 {
+            self.rate_percent_per_s = Some(percent / seconds);
+        }
+    }
+
+    fn works(&self) -> bool {
+        self.broken_until.is_none()
+    }
+}
+
+/// What it takes to get charged at a station.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Trip {
+    station: usize,
+    /// The way there, and standing until the station is free, share of a full battery.
+    percent: f64,
+    /// Until it can charge.
+    seconds: f64,
 }
 
 impl Coordinator {
     /// The cells of the stations that work.
     pub(crate) fn station_cells(&self) -> Vec<Cell> {
         (0..self.stations.len())
-            .filter(|&station| self.stations[station].broken_until.is_none())
+            .filter(|&station| self.stations[station].works())
             .filter_map(|station| self.station_cell(station))
             .collect()
     }
@@ -69,9 +107,13 @@ impl Coordinator {
         self.floor.nearest_drivable(&self.config.mission.map, self.stations[station].position)
     }
 
+    /// Works out anew how far each cell is from each station; to be called when ground was closed or opened.
     pub(crate) fn measure_station_moves(&mut self) {
-        let cells = self.station_cells();
-        self.station_moves = way::moves_to(&self.floor, &cells, |cell| self.is_open_ground(cell));
+        for station in 0..self.stations.len() {
+            let cell: Vec<Cell> = self.station_cell(station).into_iter().collect();
+            self.stations[station].moves =
+                way::moves_to(&self.floor, &cell, |cell| self.is_open_ground(cell));
+        }
     }
 
     /// Sends a robot to charge in time.
@@ -97,68 +139,177 @@ impl Coordinator {
     fn must_charge(&self, index: RobotIndex) -> Option<&'static str> {
         let robot = &self.robots[index];
         let levels = robot.factsheet.as_ref()?.battery_charging?;
-        let charge = robot.charge_percent();
-        if charge < levels.minimum_desired_charging_level {
+        if robot.charge_percent() < levels.minimum_desired_charging_level {
             return Some("below the desired minimum");
         }
-        let home = self.percent_to_station(index)?;
-        (charge < home + self.config.timing.reserve_percent).then_some("just enough to reach a station")
+        (!self.lasts_for_next(index)).then_some("just enough to reach a station")
     }
 
-    /// Share of the battery that it takes to drive the base and one more node, and on to the nearest station.
-    fn percent_to_station(&self, index: RobotIndex) -> Option<f64> {
+    /// Whether a robot that works may be granted one more piece of ground: whether its battery would carry it over
+    /// that, and from there to a station, with the reserve to spare.
+    pub(crate) fn lasts_for_next(&self, index: RobotIndex) -> bool {
         let robot = &self.robots[index];
-        let energy = robot.energy?;
-        let mut points: Vec<Point> = robot.route.base().map(|node| node.point).collect();
-        points.extend(robot.route.next_edge().map(|(edge, _)| edge.to));
-        let moves = self.moves_to_station(*points.last()?)?;
-        let cell_m = self.floor.lattice().cell_m;
-        let way_m = (f64::from(moves) + 2.0) * cell_m * DETOUR_FACTOR;
-        Some(energy.along_percent(&points) + energy.home_percent(way_m, cell_m))
+        let works = matches!(robot.errand, Errand::Cover | Errand::Look(_) | Errand::Home);
+        let Some(energy) = robot.energy.filter(|_| works && !self.stations.is_empty()) else { return true };
+        let points = self.points_to_next(index);
+        let Some(&last) = points.last() else { return true };
+        let spare = robot.charge_percent()
+            - energy.along_percent(&points, robot.heading_rad(), true)
+            - self.config.timing.reserve_percent;
+        spare >= 0.0 && (self.surely_gets_home(&energy, last, spare) || self.gets_home(index, &points, spare))
     }
 
-    /// Moves to the nearest station from the cell a place lies in, or from one beside it where no body stands there.
-    fn moves_to_station(&self, place: Point) -> Option<u32> {
+    /// From where the robot is, over its base, to the end of the next edge.
+    fn points_to_next(&self, index: RobotIndex) -> Vec<Point> {
+        let robot = &self.robots[index];
+        let base = robot.route.base().skip(1).map(|node| node.point);
+        let next = robot.route.next_edge().map(|(edge, _)| edge.to);
+        robot.position().into_iter().chain(base).chain(next).collect()
+    }
+
+    /// The quick answer, from a bound; it may be no where the truth is yes.
+    fn surely_gets_home(&self, energy: &Energy, from: Point, spare_percent: f64) -> bool {
+        let cell_m = self.floor.lattice().cell_m;
+        let Some(cell) = self.station_road(from) else { return false };
+        let at = self.floor.lattice().index(cell).expect("a road's cells are on the lattice");
+        self.stations.iter().enumerate().filter(|(_, station)| station.works()).any(|(number, station)| {
+            let way_m = (f64::from(station.moves[at]) + 3.0) * cell_m;
+            station.moves[at] != u32::MAX
+                && energy.at_most_percent(way_m, cell_m) + energy.standing_percent(self.wait_s(number))
+                    <= spare_percent
+        })
+    }
+
+    fn gets_home(&self, index: RobotIndex, points: &[Point], spare_percent: f64) -> bool {
+        let trips = self.trips(index, points);
+        if trips.is_empty() {
+            return self.may_go_on_without_way_home(index, spare_percent);
+        }
+        trips.iter().any(|trip| trip.percent <= spare_percent)
+    }
+
+    /// No way to a station is open. As long as the battery would last for the way as it is without zones, there is
+    /// time for that to change.
+    fn may_go_on_without_way_home(&self, index: RobotIndex, spare_percent: f64) -> bool {
+        let robot = &self.robots[index];
+        let (Some(energy), Some(from)) = (robot.energy, self.start_cell(index)) else { return true };
+        let cell_m = self.floor.lattice().cell_m;
+        let Some(way) = self.way_as_if_open(from) else { return true };
+        energy.at_most_percent((way.len() as f64 + 2.0) * cell_m, cell_m) <= spare_percent
+    }
+
+    /// The way to the nearest station that works, as if no ground were closed.
+    fn way_as_if_open(&self, from: Cell) -> Option<Vec<Cell>> {
+        let stations = self.station_cells();
+        way::nearest(&self.floor, from, |cell| stations.contains(&cell), |_| true)
+    }
+
+    /// The cell near a point from which a way to a station is known.
+    fn station_road(&self, from: Point) -> Option<Cell> {
         let lattice = self.floor.lattice();
-        let cell = lattice.cell_at(place)?;
-        let from =
-            |cell| lattice.index(cell).map(|index| self.station_moves[index]).filter(|&m| m != u32::MAX);
-        let beside = || {
-            let around = (-1..=1).flat_map(|dx| (-1..=1).map(move |dy| Cell::new(cell.x + dx, cell.y + dy)));
-            around.filter_map(from).max().map(|moves| moves + 1)
+        let own = lattice.cell_at(from)?;
+        let known = |cell: Cell| {
+            lattice
+                .index(cell)
+                .is_some_and(|at| self.stations.iter().any(|station| station.moves[at] != u32::MAX))
         };
-        from(cell).or_else(beside)
+        let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| Cell::new(own.x + dx, own.y + dy)));
+        std::iter::once(own).chain(around).find(|&cell| known(cell))
+    }
+
+    /// What it takes to each station that works and can be reached, from the end of some points.
+    fn trips(&self, index: RobotIndex, points: &[Point]) -> Vec<Trip> {
+        let robot = &self.robots[index];
+        let heading_rad = heading_after(points).or(robot.heading_rad());
+        let (Some(energy), Some(motion), Some(&last)) = (robot.energy, robot.motion(), points.last()) else {
+            return Vec::new();
+        };
+        let Some(road) = self.station_road(last) else { return Vec::new() };
+        let trip = |station: usize| {
+            let way = way::down(&self.floor, &self.stations[station].moves, road)?;
+            let centers = way.iter().map(|&cell| self.floor.lattice().center(cell));
+            let dock = std::iter::once(self.stations[station].position);
+            let places: Vec<Point> = std::iter::once(last).chain(centers).chain(dock).collect();
+            let way_s = motion.path_s(&places, heading_rad);
+            let stands_s = (self.wait_s(station) - way_s).max(0.0);
+            let percent =
+                energy.along_percent(&places, heading_rad, false) + energy.standing_percent(stands_s);
+            Some(Trip { station, percent, seconds: way_s + stands_s })
+        };
+        (0..self.stations.len()).filter(|&station| self.stations[station].works()).filter_map(trip).collect()
+    }
+
+    /// How long until a station is free for one more robot, seconds.
+    fn wait_s(&self, station: usize) -> f64 {
+        let state = &self.stations[station];
+        let before = state.occupied_by.iter().chain(&state.queue);
+        before.map(|&robot| self.charge_s(station, robot)).sum()
+    }
+
+    /// How long a robot still charges, seconds.
+    fn charge_s(&self, station: usize, index: RobotIndex) -> f64 {
+        let robot = &self.robots[index];
+        let levels = robot.factsheet.as_ref().and_then(|sheet| sheet.battery_charging);
+        let enough = levels.map_or(100.0, |levels| levels.sufficient_charging_level);
+        let missing = (enough - robot.charge_percent()).max(0.0);
+        self.stations[station].rate_percent_per_s.map_or(CHARGE_S, |rate| missing / rate)
     }
 
     /// Gives a robot the best station, or a place in its queue. False when no station works.
     fn assign_station(&mut self, now: Timestamp, index: RobotIndex) -> bool {
-        let Some(from) = self.start_cell(index) else { return false };
-        let best = (0..self.stations.len())
-            .filter(|&station| self.stations[station].broken_until.is_none())
-            .filter_map(|station| Some((station, self.way_to_station(from, station)?)))
-            .min_by_key(|(station, way)| {
-                let state = &self.stations[*station];
-                let waiting = state.queue.len() + usize::from(state.occupied_by.is_some());
-                (waiting, way.len())
-            });
-        let Some((station, way)) = best else { return false };
+        let Some(trip) = self.best_trip(index) else { return self.wait_for_a_way(now, index) };
+        let station = trip.station;
         if self.stations[station].occupied_by.is_none() {
-            self.send_to_station(index, station, &way);
-        } else {
-            self.stations[station].queue.push_back(index);
-            let robot = &mut self.robots[index];
-            robot.errand = Errand::Queue(station);
-            robot.route.cut_horizon();
-            let text = format!("for {}", self.stations[station].id);
-            let id = self.robots[index].id.clone();
-            self.announcer.event(now, EventLevel::EventInfo, &id, "QUEUED", &text);
+            if let Some(way) = self.start_cell(index).and_then(|from| self.way_to_station(from, station)) {
+                self.send_to_station(index, station, &way);
+                return true;
+            }
+            return self.wait_for_a_way(now, index);
         }
+        self.robots[index].route.cut_horizon();
+        self.queue_for(now, index, station, "");
+        true
+    }
+
+    /// The station at which a robot can charge first, of those that its battery carries it to.
+    fn best_trip(&self, index: RobotIndex) -> Option<Trip> {
+        let from = self.robots[index].route.base().map(|node| node.point).collect::<Vec<Point>>();
+        let trips = self.trips(index, &from);
+        let charge = self.robots[index].charge_percent() - self.config.timing.reserve_percent;
+        let in_reach = trips.iter().filter(|trip| trip.percent <= charge);
+        in_reach
+            .min_by(|a, b| a.seconds.total_cmp(&b.seconds))
+            .or_else(|| trips.iter().min_by(|a, b| a.percent.total_cmp(&b.percent)))
+            .copied()
+    }
+
+    fn queue_for(&mut self, now: Timestamp, index: RobotIndex, station: usize, why: &str) {
+        self.stations[station].queue.push_back(index);
+        self.robots[index].errand = Errand::Queue(station);
+        let text = format!("for {}{why}", self.stations[station].id);
+        let id = self.robots[index].id.clone();
+        self.announcer.event(now, EventLevel::EventInfo, &id, "QUEUED", &text);
+    }
+
+    /// No way to a station is open: the robot drives up to what is in the way, where it sees when that is gone.
+    fn wait_for_a_way(&mut self, now: Timestamp, index: RobotIndex) -> bool {
+        let Some(from) = self.start_cell(index) else { return false };
+        let Some(way) = self.way_as_if_open(from) else { return false };
+        let goal = way.last().copied();
+        let nearest = (0..self.stations.len())
+            .find(|&station| self.stations[station].works() && self.station_cell(station) == goal);
+        let Some(station) = nearest else { return false };
+        let open = way.iter().skip(1).take_while(|&&cell| self.is_open_ground(cell)).count();
+        let begins_at_base_end = self.robots[index].route.base_end().is_some_and(|node| node.cell.is_some());
+        let up_to = open.saturating_sub(1).max(usize::from(!begins_at_base_end)) + 1;
+        let places = &way[usize::from(begins_at_base_end)..up_to.min(way.len())];
+        self.send_along(index, places, None, Ending::Stay);
+        self.queue_for(now, index, station, ", its way there is blocked");
         true
     }
 
     fn way_to_station(&self, from: Cell, station: usize) -> Option<Vec<Cell>> {
-        let goal = self.station_cell(station)?;
-        way::nearest(&self.floor, from, |cell| cell == goal, |cell| self.is_open_ground(cell))
+        way::down(&self.floor, &self.stations[station].moves, from)
     }
 
     fn send_to_station(&mut self, index: RobotIndex, station: usize, way: &[Cell]) {
@@ -237,6 +388,7 @@ impl Coordinator {
             self.robots[index].errand = Errand::Charging(station);
             self.robots[index].uncharged_since = None;
             self.stations[station].failures = 0;
+            self.stations[station].charge_began = Some((now, self.robots[index].charge_percent()));
             let id = self.robots[index].id.clone();
             let text =
                 format!("at {}, {:.0} %", self.stations[station].id, self.robots[index].charge_percent());
@@ -282,6 +434,8 @@ impl Coordinator {
         let robot = &mut self.robots[index];
         robot.uncharged_since = None;
         let charge = robot.charge_percent();
+        self.stations[station].note_rate(now, charge);
+        let robot = &self.robots[index];
         let Some(levels) = robot.factsheet.as_ref().and_then(|sheet| sheet.battery_charging) else { return };
         let wanted = self.has_open_work() || !self.stations[station].queue.is_empty();
         let enough =
@@ -314,17 +468,27 @@ impl Coordinator {
         }
     }
 
+    /// The first in the queue whose way is open gets the station.
     fn check_queue(&mut self, _now: Timestamp, index: RobotIndex, station: usize) {
         let state = &self.stations[station];
-        let first = state.queue.front() == Some(&index);
-        if !first || state.occupied_by.is_some() || state.broken_until.is_some() {
+        if state.occupied_by.is_some() || !state.works() {
             return;
         }
-        let Some(from) = self.start_cell(index) else { return };
-        if let Some(way) = self.way_to_station(from, station) {
-            self.stations[station].queue.pop_front();
+        let way =
+            |robot: RobotIndex| self.start_cell(robot).and_then(|from| self.way_to_station(from, station));
+        let next = state.queue.iter().find(|&&robot| self.is_open_for(robot, station));
+        if next != Some(&index) {
+            return;
+        }
+        if let Some(way) = way(index) {
+            self.stations[station].queue.retain(|&waiting| waiting != index);
             self.send_to_station(index, station, &way);
         }
+    }
+
+    fn is_open_for(&self, index: RobotIndex, station: usize) -> bool {
+        let at = self.start_cell(index).and_then(|from| self.floor.lattice().index(from));
+        at.is_some_and(|at| self.stations[station].moves[at] != u32::MAX)
     }
 
     /// A station is free when its robot has another errand and has driven off.
@@ -341,4 +505,10 @@ impl Coordinator {
             }
         }
     }
+}
+
+/// The heading in which the last of some points is reached.
+fn heading_after(points: &[Point]) -> Option<f64> {
+    let steps = points.windows(2).rev().map(|pair| pair[1] - pair[0]);
+    steps.filter(|step| step.norm() > 1e-9).map(|step| step.y.atan2(step.x)).next()
 }

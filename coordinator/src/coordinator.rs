@@ -5,11 +5,10 @@ use crate::{
     announce::Announcer,
     charging::StationState,
     ledger::{Ledger, RobotIndex},
-    replan::{Replanning, TRACKING_M},
+    replan::Replanning,
     robot::{Phase, Robot},
     zones::Zones,
 };
-use planner::planners::keeps_to_lattice;
 use protocol::{
     Timestamp,
     v1::{self, MissionState},
@@ -20,6 +19,9 @@ use terrain::{Cell, Floor, FloorError};
 /// Pose error and tracking error that a sweep may have and still count, metres: what can be swept is reckoned
 /// with a tool that is smaller by this on all sides.
 pub(crate) const COVERAGE_TOLERANCE_M: f64 = 0.04;
+/// Routes keep bodies so far from walls, metres: tracking and pose error, and the 2 cm beside its body in which a robot
+/// stops for whatever its range finder sees.
+pub const WALL_MARGIN_M: f64 = 0.04;
 /// How often the coordinator looks around by itself.
 const TICK: Duration = Duration::from_millis(100);
 
@@ -30,15 +32,13 @@ const TICK: Duration = Duration::from_millis(100);
 pub struct Coordinator {
     pub(crate) config: Config,
     pub(crate) floor: Arc<Floor>,
-    /// The same floor for bodies that need room beside their line, when the mission's planner leaves the lattice.
-    pub(crate) roomy_floor: Option<Arc<Floor>>,
     pub(crate) ledger: Ledger,
     pub(crate) zones: Zones,
     pub(crate) robots: Vec<Robot>,
     pub(crate) by_id: BTreeMap<String, RobotIndex>,
     pub(crate) stations: Vec<StationState>,
-    /// Moves from each cell to the nearest station that works.
-    pub(crate) station_moves: Vec<u32>,
+    /// By cell: no battery lasts from a station there and back. Empty before the start.
+    pub(crate) out_of_range: Vec<bool>,
     pub(crate) state: MissionState,
     pub(crate) replanning: Replanning,
     pub(crate) announcer: Announcer,
@@ -65,11 +65,12 @@ impl Coordinator {
     pub fn new(config: Config) -> Result<Self, FloorError> {
         let mission = &config.mission;
         let tool_width_m = mission.tool_width_m - 2.0 * COVERAGE_TOLERANCE_M;
-        let floor = Arc::new(Floor::new(&mission.map, mission.cell_m, mission.body_radius_m, tool_width_m)?);
-        let roomy_m = mission.body_radius_m + TRACKING_M;
-        let roomy_floor = (!keeps_to_lattice(&mission.planner))
-            .then(|| Floor::new(&mission.map, mission.cell_m, roomy_m, tool_width_m).ok().map(Arc::new))
-            .flatten();
+        let floor = Arc::new(Floor::new(
+            &mission.map,
+            mission.cell_m,
+            mission.body_radius_m + WALL_MARGIN_M,
+            tool_width_m,
+        )?);
         let required = (0..floor.lattice().len()).map(|index| floor.required(index)).collect();
         let robots: Vec<Robot> = mission.robots.iter().map(|id| Robot::new(id)).collect();
         let by_id = mission.robots.iter().enumerate().map(|(index, id)| (id.clone(), index)).collect();
@@ -79,11 +80,10 @@ impl Coordinator {
             zones: Zones::new(floor.lattice().len()),
             announcer: Announcer::new(&config),
             floor,
-            roomy_floor,
             robots,
             by_id,
             stations,
-            station_moves: Vec::new(),
+            out_of_range: Vec::new(),
             state: MissionState::Created,
             replanning: Replanning::default(),
             started: None,

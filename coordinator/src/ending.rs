@@ -29,10 +29,13 @@ const LOOK_AGAIN_S: f64 = 15.0;
 const LOOK_FROM_M: f64 = 1.3;
 /// Robots that had this much less to do than others make the fleet be planned anew, seconds.
 const IMBALANCE_S: f64 = 40.0;
-/// At least this long between two such plans.
+/// At least this long between two such plans; doubled each time that the work turns out to be such as cannot be shared.
 const REBALANCE_APART: Duration = Duration::from_secs(30);
+const REBALANCE_DOUBLED_MAX: u32 = 5;
 /// A mission in which nothing moves forward for so long ends.
 const STALLED_S: f64 = 420.0;
+/// … and one in which nothing is covered for so long, though batteries are charged.
+const FRUITLESS_S: f64 = 3600.0;
 /// So long may the robots take home.
 const HOME_MAX_S: f64 = 300.0;
 
@@ -42,11 +45,15 @@ pub(crate) struct IdleChecks {
     covered_before_pass: f64,
     fruitless: u32,
     rebalanced: Timestamp,
+    /// How often in a row the most that a robot had to do was hardly less after such a plan, and how much it was, s.
+    in_vain: u32,
+    most_s: f64,
     looked: Option<Timestamp>,
     homeward: Option<Timestamp>,
     /// What was covered and charged when something last moved forward, and when that was.
     progress: (f64, f64),
     progress_at: Timestamp,
+    covered_at: Timestamp,
 }
 
 impl IdleChecks {
@@ -97,6 +104,7 @@ impl Coordinator {
             if !missing.is_empty() {
                 text = format!("{text}, without {}", missing.join(", "));
             }
+            self.name_what_is_out_of_range(now);
             self.need_plan(now, Cause::fleet(ReplanCause::CauseStart, &text));
         }
     }
@@ -132,10 +140,15 @@ impl Coordinator {
         if forward || charge < charge_before {
             self.idle_checks.progress = (covered, charge);
         }
-        if forward || self.idle_checks.progress_at == Timestamp::ZERO {
+        let first = self.idle_checks.progress_at == Timestamp::ZERO;
+        if forward || first {
             self.idle_checks.progress_at = now;
         }
+        if covered > covered_before + 1e-9 || first {
+            self.idle_checks.covered_at = now;
+        }
         now.secs_since(self.idle_checks.progress_at) > STALLED_S
+            || now.secs_since(self.idle_checks.covered_at) > FRUITLESS_S
     }
 
     fn check_abandoned(&mut self, now: Timestamp) {
@@ -309,6 +322,9 @@ impl Coordinator {
         if self.zones.holds(index) {
             return UnreachableReason::Obstacle;
         }
+        if !self.is_in_range(index) {
+            return UnreachableReason::OutOfRange;
+        }
         let starts: Vec<Cell> =
             self.robots.iter().filter_map(|robot| lattice.cell_at(robot.position()?)).collect();
         let at_all = way::moves_to(&self.floor, &starts, |_| true);
@@ -335,7 +351,7 @@ impl Coordinator {
 
     /// A robot stands idle while others have long to go: plan anew, if that is worth it.
     fn check_balance(&mut self, now: Timestamp) {
-        if now.since(self.idle_checks.rebalanced) < REBALANCE_APART {
+        if now.since(self.idle_checks.rebalanced) < REBALANCE_APART * (1 << self.idle_checks.in_vain) {
             return;
         }
         let Some(idle) = self.coverers().into_iter().find(|&robot| self.robots[robot].route.is_done()) else {
@@ -344,6 +360,10 @@ impl Coordinator {
         let most_s =
             self.coverers().into_iter().map(|robot| self.robots[robot].remaining_s).fold(0.0, f64::max);
         if most_s > IMBALANCE_S {
+            let shared = most_s < 0.6 * self.idle_checks.most_s;
+            let doubled = (self.idle_checks.in_vain + 1).min(REBALANCE_DOUBLED_MAX);
+            self.idle_checks.in_vain = if shared || self.idle_checks.most_s == 0.0 { 0 } else { doubled };
+            self.idle_checks.most_s = most_s;
             self.idle_checks.rebalanced = now;
             let text = format!("is done while another has {most_s:.0} s to go");
             self.need_plan(now, Cause::of(ReplanCause::CauseFinishedEarly, idle, &text));

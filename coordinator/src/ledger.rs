@@ -41,6 +41,7 @@ pub(crate) struct Ledger {
     counts: [u32; 6],
     covered_samples: u64,
     required_samples: u64,
+    untouchable_m2: f64,
     swept_twice_m2: f64,
     swept_m2: f64,
     dirty: Vec<u32>,
@@ -67,6 +68,7 @@ impl Ledger {
         Self {
             raster: SweptRaster::new(lattice),
             required_samples: required.iter().map(|samples| u64::from(samples.count_ones())).sum(),
+            untouchable_m2: floor.untouchable_m2(),
             covered_samples: 0,
             swept_twice_m2: 0.0,
             swept_m2: 0.0,
@@ -240,6 +242,7 @@ impl Ledger {
             cells_excluded: self.counts[4],
             cells_lost: self.counts[5],
             cells_total: self.status.len() as u32,
+            untouchable_m2: self.untouchable_m2,
         }
     }
 

@@ -18,6 +18,7 @@ mod operator;
 mod output;
 mod places;
 mod presence;
+mod range;
 pub mod recorder;
 mod replan;
 mod result;
@@ -32,6 +33,6 @@ mod way;
 mod zones;
 
 pub use config::{Config, Mission, Station, Timing};
-pub use coordinator::Coordinator;
+pub use coordinator::{Coordinator, WALL_MARGIN_M};
 pub use input::Input;
 pub use output::{Output, PlanRequest, Publication};

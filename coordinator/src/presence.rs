@@ -21,7 +21,7 @@ use protocol::{
     v1::{self, ConnectionState, ErrorType, EventLevel, MissionState, ReplanCause, ZoneType},
 };
 use std::time::Duration;
-use terrain::{Cell, Floor, Point, Segment, angle_between};
+use terrain::{Cell, Point, Segment, angle_between};
 
 /// Assumed bound on the rate error of a robot's clock.
 const CLOCK_RATE_ERROR: f64 = 0.01;
@@ -208,8 +208,13 @@ impl Coordinator {
 
     /// Takes a robot's ground away and begins a new order where it stands.
     pub(crate) fn restart_route(&mut self, _now: Timestamp, index: RobotIndex) {
-        let order_id = self.fresh_order_id();
         self.orphan_route(index);
+        self.begin_order_where_it_stands(index);
+    }
+
+    /// The same, but what it was to drive is given to nobody.
+    pub(crate) fn begin_order_where_it_stands(&mut self, index: RobotIndex) {
+        let order_id = self.fresh_order_id();
         let robot = &mut self.robots[index];
         let Some(position) = robot.position() else { return };
         if robot.route.order_id() != 0 {
@@ -455,43 +460,28 @@ impl Coordinator {
         self.nearest_open_cell(index, end.point)
     }
 
-    /// The cell nearest to a point in which bodies have room, and to which a body can drive straight from there.
-    pub(crate) fn nearest_cell_with_room(&self, point: Point, floor: &Floor) -> Option<Cell> {
-        let lattice = floor.lattice();
-        let reach = 1.5 * lattice.cell_m;
-        let corner = terrain::Vector::repeat(reach);
-        let distance = |cell: Cell| (lattice.center(cell) - point).norm();
+    fn nearest_open_cell(&self, index: RobotIndex, point: Point) -> Option<Cell> {
         let map = &self.config.mission.map;
-        let body_m = self.config.mission.body_radius_m;
-        lattice
-            .cells_in_box(point - corner, point + corner)
-            .filter(|&cell| {
-                floor.cell_is_drivable(cell) && self.is_open_ground(cell) && distance(cell) <= reach
-            })
-            .filter(|&cell| map.capsule_is_free(Segment::new(point, lattice.center(cell)), body_m - 0.02))
-            .min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
+        self.cell_beside(point, |way| self.conflict(index, way).is_none())
+            .or_else(|| self.floor.nearest_drivable(map, point))
     }
 
-    fn nearest_open_cell(&self, index: RobotIndex, point: Point) -> Option<Cell> {
+    /// The open cell nearest to a point to which a body can drive straight from there on an `allowed` way: with the
+    /// room that routes have where there is such a cell, else with as much as there is.
+    pub(crate) fn cell_beside(&self, point: Point, allowed: impl Fn(Segment) -> bool) -> Option<Cell> {
         let lattice = self.floor.lattice();
         let reach = 1.5 * lattice.cell_m;
-        let low = Point::new(point.x - reach, point.y - reach);
-        let high = Point::new(point.x + reach, point.y + reach);
+        let corner = terrain::Vector::repeat(reach);
+        let way = |cell: Cell| Segment::new(point, lattice.center(cell));
+        let mut near: Vec<Cell> = lattice
+            .cells_in_box(point - corner, point + corner)
+            .filter(|&cell| self.is_open_ground(cell) && way(cell).length() <= reach && allowed(way(cell)))
+            .collect();
+        near.sort_by(|&a, &b| way(a).length().total_cmp(&way(b).length()));
         let body_m = self.config.mission.body_radius_m;
-        let map = &self.config.mission.map;
-        lattice
-            .cells_in_box(low, high)
-            .filter(|&cell| self.is_open_ground(cell))
-            .filter(|&cell| {
-                let way = Segment::new(point, lattice.center(cell));
-                way.length() <= reach
-                    && map.capsule_is_free(way, body_m - 0.02)
-                    && self.conflict(index, way).is_none()
-            })
-            .min_by(|&a, &b| {
-                let distance = |cell| (lattice.center(cell) - point).norm();
-                distance(a).total_cmp(&distance(b))
-            })
-            .or_else(|| self.floor.nearest_drivable(map, point))
+        let rooms_m = [self.floor.body_radius_m() - 1e-6, body_m + 0.01, body_m - 0.02];
+        rooms_m.into_iter().find_map(|room_m| {
+            near.iter().copied().find(|&cell| self.config.mission.map.capsule_is_free(way(cell), room_m))
+        })
     }
 }

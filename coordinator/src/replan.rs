@@ -4,8 +4,7 @@
 //! robots that can cover, each from the end of its base. While the planner works no ground is released, so the
 //! plan fits when it comes. An answer to an older request is dropped.
 //!
-//! A planner whose routes leave the lattice is given a floor on which bodies have [`TRACKING_M`] of room, and may leave
-//! a little unswept. What it leaves comes back as open cells, is visited along the lattice, and so gets done. When it
+//! A planner whose routes leave the lattice may leave a little unswept. What it leaves comes back as open cells, is visited along the lattice, and so gets done. When it
 //! cannot plan what is left, the planner [`FALLBACK`] does.
 
 use crate::{
@@ -20,7 +19,7 @@ use protocol::{
     v1::{self, EventLevel, MissionState, ReplanCause},
 };
 use std::{collections::BTreeMap, sync::Arc, time::Duration};
-use terrain::{Cell, Floor, MotionModel, Point};
+use terrain::{Cell, MotionModel, Point, Segment};
 
 /// Causes are gathered this long before the planner is asked.
 const GATHER: Duration = Duration::from_millis(50);
@@ -30,8 +29,6 @@ const PLANS_APART: Duration = Duration::from_millis(400);
 const DEADLOCK_PLANS_APART: Duration = Duration::from_secs(5);
 /// Plans what the mission's planner cannot, and visits the specks that it leaves.
 const FALLBACK: &str = "tmstc-star";
-/// A robot keeps to a line that bends within this, metres: plans that leave the lattice keep bodies so far from walls.
-pub(crate) const TRACKING_M: f64 = 0.03;
 /// When less than this share of the cells to visit is missing, only specks are left.
 const SPECKS_SHARE: f64 = 0.4;
 /// After so many refusals in a row the mission fails.
@@ -59,7 +56,6 @@ impl Cause {
 #[derive(Debug)]
 struct Task {
     planner: String,
-    floor: Arc<Floor>,
     visit: Vec<bool>,
     blocked: Vec<bool>,
     starts: Vec<Start>,
@@ -175,7 +171,7 @@ impl Coordinator {
             self.coverers().into_iter().filter(|&robot| self.start_cell(robot).is_some()).collect();
         let motion = self.slowest_motion(&robots)?;
         let task = self
-            .task_with_room(&untie, &robots, &motion)
+            .task_off_lattice(&untie, &robots, &motion)
             .or_else(|| self.task_on_lattice(&untie, &robots, &motion))?;
         let owners = self.owners(&task.visit);
         let (incumbent, orphans) =
@@ -193,7 +189,8 @@ impl Coordinator {
         };
         let stations: Vec<Cell> = self.station_cells();
         let options = PlanOptions { planner: task.planner, effort: 1, seed: self.config.seed };
-        let Task { floor, visit, blocked, starts, .. } = task;
+        let Task { visit, blocked, starts, .. } = task;
+        let floor = Arc::clone(&self.floor);
         let mode = Mode::Cover;
         Some((
             PlanRequest {
@@ -222,36 +219,28 @@ impl Coordinator {
     ) -> Option<Task> {
         let blocked = self.blocked_for_plans(untie, 0.0);
         let starts: Vec<Start> = robots.iter().map(|&robot| self.start(robot, motion)).collect();
-        let visit = self.cells_to_visit(&self.floor, &blocked, robots, &starts);
+        let visit = self.cells_to_visit(&blocked, robots, &starts);
         let mine = &self.config.mission.planner;
-        let planner = if keeps_to_lattice(mine) { mine.as_str() } else { FALLBACK };
-        visit.contains(&true).then(|| Task {
-            planner: planner.to_owned(),
-            floor: Arc::clone(&self.floor),
-            visit,
-            blocked,
-            starts,
-        })
+        let planner = if keeps_to_lattice(mine) { mine.clone() } else { FALLBACK.to_owned() };
+        visit.contains(&true).then_some(Task { planner, visit, blocked, starts })
     }
 
     /// What is to be swept by a planner that leaves the lattice; `None` when the mission's does not, when it was
     /// refused just now, or when only specks are left.
-    fn task_with_room(
+    fn task_off_lattice(
         &self,
         untie: &[RobotIndex],
         robots: &[RobotIndex],
         motion: &MotionModel,
     ) -> Option<Task> {
-        let floor = self.roomy_floor.as_ref().filter(|_| !self.replanning.falls_back)?;
-        let blocked = self.blocked_for_plans(untie, 0.5 * floor.lattice().cell_m);
-        let starts: Vec<Start> =
-            robots.iter().map(|&robot| self.start_with_room(robot, motion, floor)).collect::<Option<_>>()?;
-        let visit = self.cells_to_visit(floor, &blocked, robots, &starts);
-        if self.only_specks_are_left(&visit) {
+        let planner = self.config.mission.planner.clone();
+        if keeps_to_lattice(&planner) || self.replanning.falls_back {
             return None;
         }
-        let planner = self.config.mission.planner.clone();
-        Some(Task { planner, floor: Arc::clone(floor), visit, blocked, starts })
+        let blocked = self.blocked_for_plans(untie, 0.5 * self.floor.lattice().cell_m);
+        let starts: Vec<Start> = robots.iter().map(|&robot| self.start_off_lattice(robot, motion)).collect();
+        let visit = self.cells_to_visit(&blocked, robots, &starts);
+        (!self.only_specks_are_left(&visit)).then_some(Task { planner, visit, blocked, starts })
     }
 
     fn only_specks_are_left(&self, visit: &[bool]) -> bool {
@@ -263,15 +252,16 @@ impl Coordinator {
         f64::from(missing) <= SPECKS_SHARE * f64::from(wanted)
     }
 
-    /// Where a robot's next route begins when bodies are to have room: at the end of its base itself, where that has
-    /// room, or in the cell beside it.
-    fn start_with_room(&self, index: RobotIndex, motion: &MotionModel, floor: &Floor) -> Option<Start> {
-        let end = self.robots[index].route.base_end()?.point;
-        let cell = self.nearest_cell_with_room(end, floor)?;
-        let to_centre = terrain::Segment::new(end, floor.lattice().center(cell));
-        let stands_in_it = floor.lattice().cell_at(end) == Some(cell) && floor.segment_is_free(to_centre);
-        let point = stands_in_it.then_some(end);
-        Some(Start { cell, point, ..self.start(index, motion) })
+    /// Where a robot's next route begins that may leave the lattice: at the end of its base itself, where there is room
+    /// to get to the cell's centre, or in the cell.
+    fn start_off_lattice(&self, index: RobotIndex, motion: &MotionModel) -> Start {
+        let start = self.start(index, motion);
+        let end = self.robots[index].route.base_end().map(|node| node.point);
+        let has_room = |end: &Point| {
+            let to_centre = Segment::new(*end, self.floor.lattice().center(start.cell));
+            self.floor.lattice().cell_at(*end) == Some(start.cell) && self.floor.segment_is_free(to_centre)
+        };
+        Start { point: end.filter(has_room), ..start }
     }
 
     /// What is driven already, and the routes without a robot. Nothing when nothing is, or when somebody's route leaves
@@ -354,14 +344,8 @@ impl Coordinator {
 
     /// Row-major: cells that robots should pass so that all that is open gets swept, as far as they can get
     /// there and no base sweeps it already.
-    fn cells_to_visit(
-        &self,
-        floor: &Floor,
-        blocked: &[bool],
-        robots: &[RobotIndex],
-        starts: &[Start],
-    ) -> Vec<bool> {
-        let reachable = reachable(floor, blocked, starts);
+    fn cells_to_visit(&self, blocked: &[bool], robots: &[RobotIndex], starts: &[Start]) -> Vec<bool> {
+        let reachable = self.reachable(blocked, starts);
         let granted = self.swept_by(robots.iter().flat_map(|&robot| self.base_edges(robot)));
         let mut visit = vec![false; blocked.len()];
         for index in self.ledger.open_cells() {
@@ -369,7 +353,7 @@ impl Coordinator {
             if self.ledger.missing(index) & !swept == 0 {
                 continue;
             }
-            if let Some(stand) = self.stand_for(floor, index, &reachable) {
+            if let Some(stand) = self.stand_for(index, &reachable).filter(|&stand| self.is_in_range(stand)) {
                 visit[stand] = true;
             }
         }
@@ -377,8 +361,8 @@ impl Coordinator {
     }
 
     /// The reachable cell to stand in so that what is missing of a cell gets swept.
-    fn stand_for(&self, floor: &Floor, index: usize, reachable: &[bool]) -> Option<usize> {
-        if floor.is_drivable(index) {
+    fn stand_for(&self, index: usize, reachable: &[bool]) -> Option<usize> {
+        if self.floor.is_drivable(index) {
             return reachable[index].then_some(index);
         }
         let lattice = self.floor.lattice();
@@ -402,6 +386,33 @@ impl Coordinator {
             }
         }
         best.map(|(_, at)| at)
+    }
+
+    fn reachable(&self, blocked: &[bool], starts: &[Start]) -> Vec<bool> {
+        let lattice = self.floor.lattice();
+        let mut reached = vec![false; lattice.len()];
+        let mut stack: Vec<Cell> = Vec::new();
+        for start in starts {
+            let index = lattice.index(start.cell).expect("a start is on the lattice");
+            if !reached[index] {
+                reached[index] = true;
+                stack.push(start.cell);
+            }
+        }
+        while let Some(cell) = stack.pop() {
+            for next in self.floor.neighbours(cell) {
+                let index = lattice.index(next).expect("a neighbour is on the lattice");
+                if !reached[index] && !blocked[index] {
+                    reached[index] = true;
+                    stack.push(next);
+                }
+            }
+        }
+        for start in starts {
+            let index = lattice.index(start.cell).expect("a start is on the lattice");
+            reached[index] = !blocked[index];
+        }
+        reached
     }
 
     fn owners(&self, visit: &[bool]) -> BTreeMap<usize, Option<RobotIndex>> {
@@ -628,34 +639,6 @@ impl Coordinator {
         }
         self.idle_checks.look_at(now);
     }
-}
-
-/// Row-major: the open cells that some robot can get to.
-fn reachable(floor: &Floor, blocked: &[bool], starts: &[Start]) -> Vec<bool> {
-    let lattice = floor.lattice();
-    let mut reached = vec![false; lattice.len()];
-    let mut stack: Vec<Cell> = Vec::new();
-    for start in starts {
-        let index = lattice.index(start.cell).expect("a start is on the lattice");
-        if !reached[index] {
-            reached[index] = true;
-            stack.push(start.cell);
-        }
-    }
-    while let Some(cell) = stack.pop() {
-        for next in floor.neighbours(cell) {
-            let index = lattice.index(next).expect("a neighbour is on the lattice");
-            if !reached[index] && !blocked[index] {
-                reached[index] = true;
-                stack.push(next);
-            }
-        }
-    }
-    for start in starts {
-        let index = lattice.index(start.cell).expect("a start is on the lattice");
-        reached[index] = !blocked[index];
-    }
-    reached
 }
 
 /// `41 cells to r1 (+38 s), r5 (+12 s)`: what was taken from a robot, or from nobody.

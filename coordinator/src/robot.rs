@@ -163,6 +163,11 @@ impl Robot {
         Some(Point::new(pose.x_m, pose.y_m))
     }
 
+    /// The heading it says it has.
+    pub(crate) fn heading_rad(&self) -> Option<f64> {
+        self.state.as_ref()?.pose.as_ref().map(|pose| pose.theta_rad)
+    }
+
     /// Charge of its battery, percent.
     pub(crate) fn charge_percent(&self) -> f64 {
         self.state.as_ref().map_or(100.0, |state| state.state_of_charge_percent)

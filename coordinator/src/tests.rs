@@ -47,6 +47,12 @@ fn config() -> Config {
 impl Story {
     /// Two robots in opposite corners that have joined; the first plan was asked for and is not answered.
     pub(crate) fn begin() -> Self {
+        let model = v1::EnergyModel { capacity_wh: 100.0, ..v1::EnergyModel::default() };
+        Self::begin_with(&model)
+    }
+
+    /// The same, with robots that need so much energy, and go to charge only when they must.
+    pub(crate) fn begin_with(model: &v1::EnergyModel) -> Self {
         let mut story = Self {
             coordinator: Coordinator::new(config()).unwrap(),
             now: Timestamp::ZERO,
@@ -60,7 +66,15 @@ impl Story {
         };
         for (robot, boot_id) in [("r1", 101), ("r2", 102)] {
             story.feed(Input::Alive { robot: robot.to_owned(), boot_id });
-            story.feed(Input::Factsheet(Box::new(factsheet(robot, boot_id))));
+            let mut sheet = factsheet(robot, boot_id);
+            sheet.energy_model = Some(*model);
+            if model.drive_w_per_m_per_s > 0.0
+                && let Some(levels) = &mut sheet.battery_charging
+            {
+                levels.critical_low_charging_level = 0.0;
+                levels.minimum_desired_charging_level = 0.0;
+            }
+            story.feed(Input::Factsheet(Box::new(sheet)));
         }
         story.run(0.5, &[0, 1]);
         story
@@ -118,6 +132,12 @@ impl Story {
         self.events.iter().any(|said| said.event == event)
     }
 
+    /// The last node of an order that a robot was granted; the first one when none was.
+    pub(crate) fn grants_of(&self, robot: &str, order_id: u64) -> u64 {
+        let of_order = self.grants.iter().filter(|(to, grant)| to == robot && grant.order_id == order_id);
+        of_order.map(|(_, grant)| grant.released_sequence_id).max().unwrap_or(1)
+    }
+
     pub(crate) fn last_grant(&self, robot: &str) -> &v1::Grant {
         &self.grants.iter().rev().find(|(to, _)| to == robot).expect("a grant").1
     }
@@ -149,7 +169,6 @@ fn factsheet(robot: &str, boot_id: u64) -> v1::Factsheet {
             sufficient_charging_level: 80.0,
             maximum_desired_charging_level: 95.0,
         }),
-        energy_model: Some(v1::EnergyModel { capacity_wh: 100.0, ..v1::EnergyModel::default() }),
         ..v1::Factsheet::default()
     }
 }

@@ -58,7 +58,10 @@ impl Coordinator {
         }
         let mut ahead_m = self.robots[index].base_ahead_m();
         let mut blocker = None;
-        while ahead_m < self.config.timing.base_length_m && !self.is_held_back(now, index) {
+        while ahead_m < self.config.timing.base_length_m
+            && !self.is_held_back(now, index)
+            && self.lasts_for_next(index)
+        {
             let Some((edge, to)) = self.robots[index].route.next_edge() else { break };
             blocker = self.what_blocks(index, edge, &to);
             if blocker.is_some() {
@@ -331,7 +334,7 @@ impl Coordinator {
     }
 
     /// A way around ground that will not come free soon: to the first place of the route that is not held.
-    fn detour(&mut self, now: Timestamp, index: RobotIndex) -> bool {
+    pub(crate) fn detour(&mut self, now: Timestamp, index: RobotIndex) -> bool {
         let Some(from) = self.start_cell(index) else { return false };
         let separation = self.separation_m();
         let lattice = *self.floor.lattice();
@@ -358,7 +361,7 @@ impl Coordinator {
         robot.wait = None;
         robot.order_sent = Timestamp::ZERO;
         let id = robot.id.clone();
-        let text = format!("{} m around what is in the way", (around.len() - 1) as f64 * lattice.cell_m);
+        let text = format!("{:.1} m around what is in the way", (around.len() - 1) as f64 * lattice.cell_m);
         self.announcer.event(now, EventLevel::EventInfo, &id, "DETOUR", &text);
         true
     }
@@ -382,7 +385,7 @@ impl Coordinator {
                 return open(cell).then_some((at, cell));
             }
             let goes_on = horizon.get(at + 1).is_none_or(|next| free(node.point, next));
-            let cell = self.nearest_cell_with_room(node.point, &self.floor).filter(|&cell| open(cell))?;
+            let cell = self.cell_beside(node.point, |_| true).filter(|&cell| open(cell))?;
             (goes_on && free(self.floor.lattice().center(cell), node)).then_some((at, cell))
         })
     }

@@ -35,6 +35,28 @@ pub(crate) fn nearest(
     None
 }
 
+/// The way from a cell to the target of [`moves_to`]: always to a cell that is one move nearer, straight on where
+/// there is a choice. `None` where there is no way.
+pub(crate) fn down(floor: &Floor, moves: &[u32], from: Cell) -> Option<Vec<Cell>> {
+    let lattice = floor.lattice();
+    let mut at = lattice.index(from).filter(|&at| moves[at] != UNSEEN)?;
+    let mut way = vec![from];
+    while moves[at] > 0 {
+        let here = lattice.cell(at);
+        let nearer = |next: &Cell| lattice.index(*next).is_some_and(|next| moves[next] == moves[at] - 1);
+        let ahead = way.len().checked_sub(2).map(|before| {
+            let before = way[before];
+            Cell::new(2 * here.x - before.x, 2 * here.y - before.y)
+        });
+        let mut next = floor.neighbours(here).filter(nearer).peekable();
+        let first = next.peek().copied()?;
+        let chosen = next.find(|&next| Some(next) == ahead).unwrap_or(first);
+        way.push(chosen);
+        at = lattice.index(chosen)?;
+    }
+    Some(way)
+}
+
 fn straight_on(floor: &Floor, came_from: &[u32], at: usize) -> Option<Cell> {
     let lattice = floor.lattice();
     let before = came_from[at] as usize;
@@ -102,6 +124,22 @@ mod tests {
             nearest(&floor, Cell::new(0, 0), |cell| cell.y == 2, |cell| cell.x != 3 && cell.x != 4),
             None
         );
+    }
+
+    #[test]
+    fn the_way_down_is_as_long_as_the_moves_and_has_few_turns() {
+        let floor = floor(
+            "
+            .....
+            .....
+            ###..",
+        );
+        let moves = moves_to(&floor, &[Cell::new(4, 0)], |_| true);
+        let way = down(&floor, &moves, Cell::new(0, 2)).unwrap();
+        assert_eq!((way.len(), way[way.len() - 1]), (7, Cell::new(4, 0)));
+        let turns = way.windows(3).filter(|at| at[0].x != at[2].x && at[0].y != at[2].y).count();
+        assert_eq!(turns, 1, "{way:?}");
+        assert_eq!(down(&floor, &moves, Cell::new(0, 0)), None);
     }
 
     #[test]

@@ -7,19 +7,24 @@
 //!      R ─ ─ ─ ─ ─ ( o ) ─ ─   a cell is seen free when every beam that meets the disc of a body
 //!            ·  ·  ·           at its centre comes out behind it, and no body could hide between beams
 //! ```
+//!
+//! The disc reaches as far beyond the body as half a move to the next cell needs, so that ground seen free can be left
+//! on all sides; only walls of the map may stand in that rim. Else an obstacle that stays would be found again and again.
 
 use protocol::{
     Timestamp,
     v1::{self, UnreachableReason, ZoneType},
 };
 use std::{collections::BTreeSet, time::Duration};
-use terrain::{Floor, Point, Segment, angle_between};
+use terrain::{Floor, Point, Segment, Vector, angle_between};
 
 /// Beams may be this far apart at the cell for a body not to hide between them, metres.
 const BEAM_SPACING_MAX_M: f64 = 0.2;
 /// After the second strike a cell cannot be seen free for three times this long; twice as long each time, seconds.
-const LOCK_S: f64 = 4.0;
+const LOCK_S: f64 = 10.0;
 const STRIKES_MAX: u8 = 8;
+/// Hits of a scan as near as this to a wall of the map are the wall, metres.
+pub(crate) const WALL_SLACK_M: f64 = 0.1;
 /// What a hit may be nearer than the body's disc without meaning anything, metres (range noise).
 const HIT_SLACK_M: f64 = 0.03;
 
@@ -160,7 +165,7 @@ impl Zones {
         for zone in self.list.iter_mut().filter(|zone| now >= zone.locked_until) {
             let sees = |index: &usize| {
                 let center = floor.lattice().center(floor.lattice().cell(*index));
-                is_seen_free(eye, from.theta_rad, scan, center, floor.body_radius_m())
+                is_seen_free(eye, from.theta_rad, scan, center, floor)
             };
             let seen: Vec<usize> = zone.cells.iter().copied().filter(|index| sees(index)).collect();
             for index in seen {
@@ -198,16 +203,17 @@ impl Zones {
     }
 }
 
-/// Whether a scan shows that a disc of `radius_m` around `center` is empty.
-fn is_seen_free(eye: Point, heading: f64, scan: &v1::RangeScan, center: Point, radius_m: f64) -> bool {
+/// Whether a scan shows that a body could stand at `center` and leave it on all sides.
+fn is_seen_free(eye: Point, heading: f64, scan: &v1::RangeScan, center: Point, floor: &Floor) -> bool {
+    let body_m = floor.body_radius_m();
+    let clear_m = body_m.hypot(floor.lattice().cell_m / 2.0) + HIT_SLACK_M;
     let to = center - eye;
     let distance = to.norm();
-    if distance + radius_m > scan.range_max_m
-        || distance * scan.angle_increment_rad.abs() > BEAM_SPACING_MAX_M
+    if distance + body_m > scan.range_max_m || distance * scan.angle_increment_rad.abs() > BEAM_SPACING_MAX_M
     {
         return false;
     }
-    if distance <= radius_m {
+    if distance <= body_m {
         return true; // the robot itself stands there
     }
     let bearing = to.y.atan2(to.x);
@@ -216,16 +222,25 @@ fn is_seen_free(eye: Point, heading: f64, scan: &v1::RangeScan, center: Point, r
         let direction = heading + scan.angle_min_rad + scan.angle_increment_rad * beam as f64;
         let off = angle_between(bearing, direction);
         let miss = distance * off.sin();
-        if off.cos() <= 0.0 || miss.abs() >= radius_m {
+        if off.cos() <= 0.0 || miss.abs() >= clear_m {
             continue;
         }
-        crossing += 1;
-        let leaves = distance * off.cos() + (radius_m * radius_m - miss * miss).sqrt();
-        if f64::from(range) < leaves - HIT_SLACK_M {
-            return false;
+        crossing += u32::from(miss.abs() < body_m);
+        let leaves = distance * off.cos() + (clear_m * clear_m - miss * miss).sqrt();
+        let range = f64::from(range);
+        if range < leaves.min(scan.range_max_m) - HIT_SLACK_M {
+            let hit = eye + Vector::new(direction.cos(), direction.sin()) * range;
+            let in_rim = (hit - center).norm() > body_m - HIT_SLACK_M;
+            if !(in_rim && is_wall(floor, hit)) {
+                return false;
+            }
         }
     }
     crossing >= 2
+}
+
+fn is_wall(floor: &Floor, hit: Point) -> bool {
+    floor.map().is_some_and(|map| !map.disc_is_free(hit, WALL_SLACK_M))
 }
 
 /// The drivable cells that an obstacle with these surface points makes unusable for a body, and those at whose

@@ -146,22 +146,14 @@ impl Body {
         let top =
             top.min(stoppable_m_per_s(asked.run_m, self.speed_m_per_s, limits.acceleration_m_per_s2, step_s));
         let was = (self.speed_m_per_s, self.angular_speed_rad_per_s);
-        self.speed_m_per_s =
-            towards(was.0, asked.speed_m_per_s.clamp(-top, top), limits.acceleration_m_per_s2 * step_s);
-        // Told to stand, or braked by the end of its run, it stays on the bend that it is on.
-        let slowed = asked.speed_m_per_s.abs().max(0.02).recip() * self.speed_m_per_s.abs();
-        let on_bend = if asked == Twist::default() && was.0.abs() > 0.02 {
-            was.1 * self.speed_m_per_s / was.0
-        } else if asked.speed_m_per_s.abs() > 0.02 && top < asked.speed_m_per_s.abs() {
-            asked.angular_speed_rad_per_s * slowed.min(1.0)
+        let asked = if stands(asked) {
+            braked_on_its_bend(asked, was, limits.acceleration_m_per_s2 * step_s)
         } else {
-            asked.angular_speed_rad_per_s
+            cut_alike(asked, top, top_turn)
         };
-        self.angular_speed_rad_per_s = towards(
-            was.1,
-            on_bend.clamp(-top_turn, top_turn),
-            limits.angular_acceleration_rad_per_s2 * step_s,
-        );
+        self.speed_m_per_s = towards(was.0, asked.speed_m_per_s, limits.acceleration_m_per_s2 * step_s);
+        self.angular_speed_rad_per_s =
+            towards(was.1, asked.angular_speed_rad_per_s, limits.angular_acceleration_rad_per_s2 * step_s);
         let way_m = f64::midpoint(was.0, self.speed_m_per_s) * step_s;
         let turn_rad = f64::midpoint(was.1, self.angular_speed_rad_per_s) * step_s;
         if way_m == 0.0 && turn_rad == 0.0 {
@@ -264,6 +256,31 @@ fn stoppable_m_per_s(run_m: f64, speed_m_per_s: f64, acceleration_m_per_s2: f64,
     let half = acceleration_m_per_s2 * step_s / 2.0;
     let left_m = run_m + RUN_SLACK_M - speed_m_per_s.abs() * step_s / 2.0;
     ((half * half + 2.0 * acceleration_m_per_s2 * left_m).max(0.0).sqrt() - half).max(0.0)
+}
+
+fn stands(asked: Twist) -> bool {
+    asked.speed_m_per_s == 0.0 && asked.angular_speed_rad_per_s == 0.0
+}
+
+/// A robot that is to stand stays on its bend while it brakes: it turns as much less as it drives less.
+fn braked_on_its_bend(asked: Twist, was: (f64, f64), slower_m_per_s: f64) -> Twist {
+    if was.0.abs() < 0.02 {
+        return asked;
+    }
+    let share = (1.0 - slower_m_per_s / was.0.abs()).max(0.0);
+    Twist { angular_speed_rad_per_s: was.1 * share, ..asked }
+}
+
+/// What the wheels can do of what is asked: both speeds are cut by the same share, so that a slow robot stays on its
+/// bend.
+fn cut_alike(asked: Twist, top: f64, top_turn: f64) -> Twist {
+    let share = |value: f64, most: f64| if value.abs() > most { most / value.abs() } else { 1.0 };
+    let both = share(asked.speed_m_per_s, top).min(share(asked.angular_speed_rad_per_s, top_turn));
+    Twist {
+        speed_m_per_s: asked.speed_m_per_s * both,
+        angular_speed_rad_per_s: asked.angular_speed_rad_per_s * both,
+        ..asked
+    }
 }
 
 fn towards(value: f64, target: f64, most: f64) -> f64 {

@@ -70,6 +70,7 @@ faults![
     cut_link: CutLink,
     block: Block,
     people: People,
+    queue: Queue,
     battery_drop: BatteryDrop,
     battery_drain: BatteryDrain,
     wheel_stuck: WheelStuck,
@@ -79,6 +80,7 @@ faults![
 ];
 
 pub(crate) use block::Delivery;
+pub use people::WalkKind;
 
 /// What is to be done to a process.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -354,6 +356,26 @@ mod tests {
         let contacts = world.take_contacts();
         assert_eq!((contacts.len(), contacts[0].other.as_str()), (1, "blockage-1"));
         assert!(world.bodies[0].position().x < 3.0 - world.body_radius_m());
+    }
+
+    #[test]
+    fn a_queue_stands_where_it_is_told_then_moves_and_goes() {
+        let mut world = world();
+        let text = "kind = \"queue\"\nx_m = 8.5\ny_m = 0.5\ntheta_deg = 90\ncount = 3\nmoves_after_s = 5\nfor_s = 20";
+        world.command(text).unwrap();
+        let places = |world: &World| -> Vec<(f64, f64)> {
+            let round = |value: f64| (value * 100.0).round() / 100.0;
+            world.people.iter().map(|person| (round(person.position.x), round(person.position.y))).collect()
+        };
+        wait(&mut world, 4.0);
+        let queue = [(8.5, 0.5), (8.5, 1.3), (8.5, 2.1)];
+        assert_eq!(places(&world), queue);
+        wait(&mut world, 4.0);
+        assert!(places(&world).iter().zip(&queue).all(|(now, before)| now != before), "{:?}", places(&world));
+        wait(&mut world, 13.0);
+        assert!(world.people.is_empty());
+        let refusal = world.command(&text.replace("count = 3", "count = 4")).unwrap_err();
+        assert!(refusal.contains("person 4 of the queue would stand in a wall"), "{refusal}");
     }
 
     fn driven_m(fault: &str) -> (f64, f64, v1::BaseState) {

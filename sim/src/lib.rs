@@ -29,7 +29,7 @@ mod world;
 
 pub use checkers::Violation;
 pub use drive::{Refusal, WATCHDOG};
-pub use faults::{Fault, FaultEntry, ProcessAction};
+pub use faults::{Fault, FaultEntry, ProcessAction, WalkKind};
 pub use random_story::{random_faults, random_story};
 pub use rehearsal::{Options, Outcome, Rehearsal, Sink};
 pub use scenario::*;

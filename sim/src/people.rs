@@ -1,9 +1,14 @@
-//! People who walk about: from one place they can see to the next, at their own speed, and out again.
+//! People on the floor. How they walk ([`Gait`]):
 //!
-//! They look where they go: they wait rather than step into the way of a robot, and go elsewhere when it stays.
-//! Careless ones do not wait, and walk up to a robot until they touch it.
+//! - from one place they can see to the next, with a rest in between, each at their own speed;
+//! - straight on until they meet a wall, an obstacle, another person or a robot, then in another direction: the
+//!   walkers of the airport in the paper on boustrophedon coverage (see `docs/scenario.md`);
+//! - not at all: they stand in a queue, for ever or until it moves, and then walk straight on.
+//!
+//! They look where they go: they never step into the way of a robot. Careless ones walk up to a robot until they
+//! touch it.
 
-use crate::random_streams::stream;
+use crate::{clearance::Clearance, obstacle::Obstacle, random_streams::stream};
 use protocol::{Timestamp, v1};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -19,6 +24,8 @@ const PATIENCE: Duration = Duration::from_secs(3);
 const ASIDE_M: f64 = 0.1;
 /// Standing still between two walks.
 const REST: Duration = Duration::from_secs(1);
+/// Goals and directions that are tried before somebody rests instead.
+const TRIES: usize = 8;
 
 /// One person.
 #[derive(Debug, Clone)]
@@ -28,18 +35,96 @@ pub(crate) struct Person {
     pub(crate) until: Option<Timestamp>,
     speed_m_per_s: f64,
     careless: bool,
-    goal: Point,
+    gait: Gait,
     rests_until: Timestamp,
-    blocked_since: Option<Timestamp>,
     rng: ChaCha8Rng,
+}
+
+/// How somebody walks, and how far they have come with it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Gait {
+    /// From one place in sight to the next.
+    ToPlaces {
+        /// The place.
+        goal: Option<Point>,
+        /// Since when the way there is taken.
+        blocked_since: Option<Timestamp>,
+    },
+    /// Straight on until something is met.
+    UntilContact {
+        /// Of length 1; zero before the first step.
+        direction: Vector,
+    },
+    /// Stands.
+    Stands {
+        /// Walks straight on from then on.
+        leaves_at: Option<Timestamp>,
+    },
+}
+
+impl Gait {
+    /// From one place in sight to the next.
+    pub(crate) const TO_PLACES: Self = Self::ToPlaces { goal: None, blocked_since: None };
+
+    /// Straight on until something is met.
+    pub(crate) fn until_contact() -> Self {
+        Self::UntilContact { direction: Vector::zeros() }
+    }
 }
 
 /// How somebody walks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Walk {
+    pub(crate) gait: Gait,
     pub(crate) speed_m_per_s: f64,
     pub(crate) careless: bool,
     pub(crate) until: Option<Timestamp>,
+}
+
+/// What people see around them.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Surroundings<'a> {
+    pub(crate) map: &'a GridMap,
+    pub(crate) walls: &'a Clearance,
+    pub(crate) obstacles: &'a [Obstacle],
+    /// All people, and which of them is the one who looks.
+    pub(crate) people: &'a [Point],
+    pub(crate) own: usize,
+    /// The robots on the floor, with their numbers.
+    pub(crate) robots: &'a [(usize, SeenRobot)],
+}
+
+impl Surroundings<'_> {
+    /// Whether a step leads into a wall, an obstacle or another person.
+    fn is_solid(&self, from: Point, to: Point) -> bool {
+        let wall = self.walls.at_least_m(to) < PERSON_RADIUS_M && !self.map.disc_is_free(to, PERSON_RADIUS_M);
+        wall || self.meets_obstacle(from, to) || self.meets_person(from, to)
+    }
+
+    fn meets_obstacle(&self, from: Point, to: Point) -> bool {
+        self.obstacles.iter().any(|obstacle| {
+            let after_m = obstacle.shape.distance_m(to);
+            after_m < PERSON_RADIUS_M && after_m <= obstacle.shape.distance_m(from)
+        })
+    }
+
+    fn meets_person(&self, from: Point, to: Point) -> bool {
+        let apart_m2 = (2.0 * PERSON_RADIUS_M).powi(2);
+        self.people.iter().enumerate().any(|(number, other)| {
+            let after_m2 = (other - to).norm_squared();
+            number != self.own && after_m2 < apart_m2 && after_m2 < (other - from).norm_squared()
+        })
+    }
+}
+
+/// What a step leads to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Step {
+    Free,
+    /// Somebody who looks would step into the way of a robot.
+    InTheWay,
+    /// Somebody careless walks into the robot of this number.
+    Touches(usize),
 }
 
 /// A robot as a person sees it.
@@ -77,69 +162,134 @@ impl Person {
             until: walk.until,
             speed_m_per_s: walk.speed_m_per_s,
             careless: walk.careless,
-            goal: position,
+            gait: walk.gait,
             rests_until: Timestamp::ZERO,
-            blocked_since: None,
             rng,
         }
     }
 
+    /// Whether it stands in a queue.
+    pub(crate) fn stands(&self) -> bool {
+        matches!(self.gait, Gait::Stands { .. })
+    }
+
     /// Walks for one step; returns the number of the robot that was walked into, if any.
-    pub(crate) fn step(
-        &mut self,
-        now: Timestamp,
-        step_s: f64,
-        map: &GridMap,
-        robots: impl Iterator<Item = (usize, SeenRobot)>,
-    ) -> Option<usize> {
+    pub(crate) fn step(&mut self, now: Timestamp, step_s: f64, around: &Surroundings<'_>) -> Option<usize> {
         if now < self.rests_until {
             return None;
         }
-        let to_go = self.goal - self.position;
+        match self.gait {
+            Gait::ToPlaces { goal, .. } => self.step_to_place(now, step_s, goal, around),
+            Gait::UntilContact { direction } => self.step_straight_on(now, step_s, direction, around),
+            Gait::Stands { leaves_at } => {
+                if leaves_at.is_some_and(|at| now >= at) {
+                    self.gait = Gait::until_contact();
+                }
+                None
+            }
+        }
+    }
+
+    fn step_to_place(
+        &mut self,
+        now: Timestamp,
+        step_s: f64,
+        goal: Option<Point>,
+        around: &Surroundings<'_>,
+    ) -> Option<usize> {
+        let to_go = goal.map_or(Vector::zeros(), |goal| goal - self.position);
         if to_go.norm() < 1e-3 {
-            self.choose_goal(now, map);
+            self.choose_goal(now, around.map);
             return None;
         }
-        let step = to_go * (self.speed_m_per_s * step_s / to_go.norm()).min(1.0);
-        let next = self.position + step;
-        let mut in_the_way = false;
-        for (number, robot) in robots {
-            let (before_m, after_m) = (robot.gap_m(self.position), robot.gap_m(next));
-            let nearer = after_m < before_m;
-            if nearer && after_m < 0.0 && self.careless {
-                self.give_up(now);
-                return Some(number);
+        let next = self.position + to_go * (self.speed_m_per_s * step_s / to_go.norm()).min(1.0);
+        match self.look(next, around.robots) {
+            Step::Touches(robot) => {
+                self.go_elsewhere(now);
+                return Some(robot);
             }
-            let steps_in = nearer && after_m < robot.room_m || robot.is_cut_off_by(self.position, next);
-            in_the_way |= steps_in && !self.careless;
+            Step::InTheWay => self.wait(now),
+            Step::Free => self.walk_on(next),
         }
-        self.walk_or_wait(now, next, in_the_way);
         None
     }
 
-    fn walk_or_wait(&mut self, now: Timestamp, next: Point, in_the_way: bool) {
-        if !in_the_way {
+    fn step_straight_on(
+        &mut self,
+        now: Timestamp,
+        step_s: f64,
+        direction: Vector,
+        around: &Surroundings<'_>,
+    ) -> Option<usize> {
+        let stride_m = self.speed_m_per_s * step_s;
+        let next = self.position + direction * stride_m;
+        let step = self.look(next, around.robots);
+        if step == Step::Free && direction != Vector::zeros() && !around.is_solid(self.position, next) {
             self.position = next;
-            self.blocked_since = None;
-        } else if now.since(*self.blocked_since.get_or_insert(now)) > PATIENCE {
-            self.give_up(now);
+            return None;
+        }
+        self.turn(now, stride_m, around);
+        if let Step::Touches(robot) = step { Some(robot) } else { None }
+    }
+
+    /// Chooses another direction in which the next step is free.
+    fn turn(&mut self, now: Timestamp, stride_m: f64, around: &Surroundings<'_>) {
+        for _ in 0..TRIES {
+            let angle = self.rng.random::<f64>() * TAU;
+            let direction = Vector::new(angle.cos(), angle.sin());
+            let next = self.position + direction * stride_m;
+            if self.look(next, around.robots) == Step::Free && !around.is_solid(self.position, next) {
+                self.gait = Gait::UntilContact { direction };
+                return;
+            }
+        }
+        self.rests_until = now + REST;
+    }
+
+    fn look(&self, next: Point, robots: &[(usize, SeenRobot)]) -> Step {
+        let mut step = Step::Free;
+        for &(number, ref robot) in robots {
+            let (before_m, after_m) = (robot.gap_m(self.position), robot.gap_m(next));
+            let nearer = after_m < before_m;
+            if nearer && after_m < 0.0 && self.careless {
+                return Step::Touches(number);
+            }
+            let steps_in = nearer && after_m < robot.room_m || robot.is_cut_off_by(self.position, next);
+            if steps_in && !self.careless {
+                step = Step::InTheWay;
+            }
+        }
+        step
+    }
+
+    fn walk_on(&mut self, next: Point) {
+        self.position = next;
+        if let Gait::ToPlaces { blocked_since, .. } = &mut self.gait {
+            *blocked_since = None;
         }
     }
 
-    fn give_up(&mut self, now: Timestamp) {
-        self.goal = self.position;
-        self.blocked_since = None;
+    fn wait(&mut self, now: Timestamp) {
+        if let Gait::ToPlaces { blocked_since, .. } = &mut self.gait
+            && now.since(*blocked_since.get_or_insert(now)) > PATIENCE
+        {
+            self.go_elsewhere(now);
+        }
+    }
+
+    fn go_elsewhere(&mut self, now: Timestamp) {
+        self.gait = Gait::TO_PLACES;
         self.rests_until = now + REST;
     }
 
     /// A place in sight, up to 8 m away.
     fn choose_goal(&mut self, now: Timestamp, map: &GridMap) {
-        for _ in 0..8 {
+        for _ in 0..TRIES {
             let angle = self.rng.random::<f64>() * TAU;
             let way = Vector::new(angle.cos(), angle.sin()) * (1.0 + 7.0 * self.rng.random::<f64>());
             let goal = self.position + way;
             if map.capsule_is_free(Segment::new(self.position, goal), PERSON_RADIUS_M) {
-                self.goal = goal;
+                self.gait = Gait::ToPlaces { goal: Some(goal), blocked_since: None };
                 return;
             }
         }
@@ -162,39 +312,89 @@ impl Person {
 mod tests {
     use super::*;
 
+    const LEFT: Point = Point::new(2.0, 2.0);
+
     fn hall() -> GridMap {
         GridMap::from_drawing(&["............"; 12].join("\n"), 1.0).unwrap()
     }
 
-    fn person(careless: bool) -> Person {
-        let walk = Walk { speed_m_per_s: 1.0, careless, until: None };
-        Person::new("p1".to_owned(), 3, Point::new(2.0, 2.0), walk)
+    fn person(gait: Gait, careless: bool) -> Person {
+        let walk = Walk { gait, speed_m_per_s: 1.0, careless, until: None };
+        Person::new("p1".to_owned(), 3, LEFT, walk)
     }
 
-    fn walk(person: &mut Person, robot: Point, seconds: u64) -> Option<usize> {
+    /// Walks beside a robot at rest, and somebody who stands; calls `see` after each step.
+    fn walk(person: &mut Person, robot: Point, seconds: u64, mut see: impl FnMut(&Person)) -> Option<usize> {
         let seen = SeenRobot { position: robot, room_m: 0.4, body_radius_m: 0.2, ahead: Vector::zeros() };
+        let (map, other) = (hall(), Point::new(6.0, 6.0));
+        let walls = Clearance::new(&map);
         (0..seconds * 50).find_map(|tick| {
-            let now = Timestamp::from_nanos(tick * 20_000_000);
-            person.step(now, 0.02, &hall(), [(0, seen)].into_iter())
+            let around = Surroundings {
+                map: &map,
+                walls: &walls,
+                obstacles: &[],
+                people: &[person.position, other],
+                own: 0,
+                robots: &[(0, seen)],
+            };
+            let touched = person.step(Timestamp::from_nanos(tick * 20_000_000), 0.02, &around);
+            see(person);
+            touched
         })
     }
 
     #[test]
     fn a_person_walks_about_and_never_into_a_wall() {
-        let mut person = person(false);
-        let start = person.position;
-        assert_eq!(walk(&mut person, Point::new(11.0, 11.0), 60), None);
-        assert_ne!(person.position, start);
-        assert!(hall().disc_is_free(person.position, PERSON_RADIUS_M));
+        for gait in [Gait::TO_PLACES, Gait::until_contact()] {
+            let mut person = person(gait, false);
+            let (map, mut way_m, mut before) = (hall(), 0.0, LEFT);
+            let touched = walk(&mut person, Point::new(11.0, 11.0), 60, |person| {
+                way_m += (person.position - before).norm();
+                before = person.position;
+                assert!(map.disc_is_free(person.position, PERSON_RADIUS_M));
+            });
+            assert_eq!(touched, None);
+            assert!(way_m > 20.0, "{way_m}");
+        }
+    }
+
+    #[test]
+    fn one_who_walks_straight_on_turns_only_where_something_is_met() {
+        let mut person = person(Gait::until_contact(), false);
+        let (mut turns, mut before) = (0, person.gait);
+        walk(&mut person, Point::new(3.0, 9.0), 300, |person| {
+            if person.gait != before && before != Gait::until_contact() {
+                turns += 1;
+                let at = person.position;
+                let wall_m = at.x.min(at.y).min(12.0 - at.x).min(12.0 - at.y);
+                let other_m = (at - Point::new(6.0, 6.0)).norm();
+                let robot_m = (at - Point::new(3.0, 9.0)).norm();
+                assert!(wall_m < 0.3 || other_m < 0.55 || robot_m < 0.9, "turns at {at}");
+            }
+            before = person.gait;
+        });
+        assert!(turns > 20, "{turns}");
+    }
+
+    #[test]
+    fn one_who_stands_does_so_until_the_queue_moves() {
+        let later = Timestamp::from_secs_f64(10.0);
+        let mut person = person(Gait::Stands { leaves_at: Some(later) }, false);
+        walk(&mut person, Point::new(11.0, 11.0), 9, |person| assert!(person.stands()));
+        assert_eq!(person.position, LEFT);
+        walk(&mut person, Point::new(11.0, 11.0), 20, |_| {});
+        assert!(!person.stands() && person.position != LEFT);
     }
 
     #[test]
     fn one_who_looks_keeps_away_from_robots_and_a_careless_one_does_not() {
         let robot = Point::new(3.5, 2.0);
-        let (mut looks, mut careless) = (person(false), person(true));
-        assert_eq!(walk(&mut looks, robot, 300), None);
-        looks.goal = robot;
-        assert_eq!(walk(&mut careless, robot, 900), Some(0));
+        let (to_robot, straight) =
+            (Gait::ToPlaces { goal: Some(robot), blocked_since: None }, Gait::until_contact());
+        for gait in [to_robot, straight] {
+            assert_eq!(walk(&mut person(gait, false), robot, 300, |_| {}), None);
+            assert_eq!(walk(&mut person(gait, true), robot, 900, |_| {}), Some(0));
+        }
     }
 
     #[test]

@@ -32,6 +32,9 @@ use terrain::FloorError;
 /// After the mission's end the world goes on for this long, so that the last truth is on record.
 const EPILOGUE: Duration = Duration::from_millis(300);
 
+/// Between two notes of the covered share.
+const PROGRESS_EVERY_S: f64 = 10.0;
+
 /// How to rehearse.
 #[derive(Debug, Clone)]
 pub struct Options {
@@ -66,6 +69,10 @@ pub struct Outcome {
     pub contacts: u32,
     /// Faults that were carried out.
     pub faults: u32,
+    /// Robots that stood on the floor with an empty battery at some time.
+    pub stranded: Vec<String>,
+    /// Covered share over time: seconds and percent, in steps of ten seconds.
+    pub progress: Vec<(f64, f64)>,
 }
 
 /// Takes what is to be logged, in the order of time.
@@ -112,6 +119,7 @@ pub struct Rehearsal<'a> {
     result: Option<v1::MissionResult>,
     contacts: u32,
     faults: u32,
+    progress: Vec<(f64, f64)>,
 }
 
 impl<'a> Rehearsal<'a> {
@@ -169,6 +177,7 @@ impl<'a> Rehearsal<'a> {
             result: None,
             contacts: 0,
             faults: 0,
+            progress: Vec::new(),
         };
         for robot in 0..ids.len() {
             rehearsal.start(robot);
@@ -375,11 +384,19 @@ impl<'a> Rehearsal<'a> {
         if let Publication::Status(status) = &publication {
             let covered = status.progress.as_ref().map_or(0.0, |progress| progress.covered_percent);
             self.world.tell_covered(covered);
+            self.note_progress(now, covered);
         }
         if let Publication::Result(result) = &publication {
             self.result.get_or_insert_with(|| result.clone());
         }
         self.record(|| Record::Publication(publication));
+    }
+
+    fn note_progress(&mut self, now: Timestamp, covered_percent: f64) {
+        let due_s = self.progress.last().map_or(0.0, |&(at_s, _)| at_s + PROGRESS_EVERY_S);
+        if now.as_secs_f64() >= due_s {
+            self.progress.push((now.as_secs_f64(), covered_percent));
+        }
     }
 
     fn listen_to_world(&mut self) {
@@ -421,6 +438,8 @@ impl<'a> Rehearsal<'a> {
             virtual_s: self.world.now().as_secs_f64(),
             contacts: self.contacts,
             faults: self.faults,
+            stranded: self.world.take_stranded(),
+            progress: self.progress,
         }
     }
 

@@ -15,7 +15,7 @@ use crate::{
     drive::WATCHDOG,
     faults::{Delivery, FaultEntry, ProcessAction},
     obstacle::Obstacle,
-    people::{Person, SeenRobot},
+    people::{Person, SeenRobot, Surroundings},
     range_finder::RangeFinder,
     scenario::Scenario,
     station::Charger,
@@ -56,6 +56,8 @@ pub struct World {
     pub(crate) covered_percent: f64,
     pub(crate) obstacle_count: u32,
     pub(crate) person_count: u32,
+    /// Robots whose battery ran empty away from a station.
+    stranded: Vec<bool>,
     finder: RangeFinder,
     description: v1::Factsheet,
     swept: SweptRaster,
@@ -92,6 +94,7 @@ impl World {
             covered_percent: 0.0,
             obstacle_count: 0,
             person_count: 0,
+            stranded: vec![false; file.robots.len()],
             finder: RangeFinder::new(file.robot.range_finder_m, file.robot.beams),
             description: file.robot.factsheet(),
             swept: SweptRaster::new(*scenario.floor.lattice()),
@@ -131,6 +134,9 @@ impl World {
         self.move_bodies();
         self.dock();
         self.charge(STEP_S);
+        for (body, stranded) in self.bodies.iter().zip(&mut self.stranded) {
+            *stranded |= body.on_floor && body.docked.is_none() && body.battery.is_empty();
+        }
         self.look_around();
         if self.ticks.is_multiple_of(STEPS_PER_SECOND) {
             self.let_the_crew_work();
@@ -232,6 +238,17 @@ impl World {
         std::mem::take(&mut self.told)
     }
 
+    /// Ids of the robots whose battery ran empty on the floor, away from a working station.
+    pub(crate) fn take_stranded(&mut self) -> Vec<String> {
+        let stranded = std::mem::take(&mut self.stranded);
+        self.bodies
+            .iter()
+            .zip(stranded)
+            .filter(|(_, empty)| *empty)
+            .map(|(body, _)| body.id.clone())
+            .collect()
+    }
+
     /// What the tools have truly swept so far, on the mission's lattice.
     pub(crate) fn swept(&mut self) -> &SweptRaster {
         for robot in 0..self.bodies.len() {
@@ -266,21 +283,37 @@ impl World {
         }
         let now = self.now;
         self.people.retain(|person| person.until.is_none_or(|until| now < until));
-        for number in 0..self.people.len() {
-            let radius_m = self.body_radius_m();
-            let seen = |body: &Body| SeenRobot {
-                position: body.position(),
-                room_m: 0.3 + body.stopping_m() + 0.5 * body.speed_m_per_s.abs(),
-                body_radius_m: radius_m,
-                ahead: body.direction_of_motion(),
+        let robots = self.seen_robots();
+        let mut people: Vec<Point> = self.people.iter().map(|person| person.position).collect();
+        let map = Arc::clone(&self.scenario.map);
+        for own in 0..self.people.len() {
+            let around = Surroundings {
+                map: &map,
+                walls: &self.walls,
+                obstacles: &self.obstacles,
+                people: &people,
+                own,
+                robots: &robots,
             };
-            let robots = self.bodies.iter().enumerate().filter(|(_, body)| body.on_floor);
-            let robots = robots.map(|(robot, body)| (robot, seen(body)));
-            let touched = self.people[number].step(now, STEP_S, &self.scenario.map, robots);
+            let touched = self.people[own].step(now, STEP_S, &around);
+            people[own] = self.people[own].position;
             if let Some(robot) = touched {
-                self.person_touches(number, robot);
+                self.person_touches(own, robot);
             }
         }
+    }
+
+    /// The robots on the floor, as people see them.
+    fn seen_robots(&self) -> Vec<(usize, SeenRobot)> {
+        let body_radius_m = self.body_radius_m();
+        let seen = |body: &Body| SeenRobot {
+            position: body.position(),
+            room_m: 0.3 + body.stopping_m() + 0.5 * body.speed_m_per_s.abs(),
+            body_radius_m,
+            ahead: body.direction_of_motion(),
+        };
+        let on_floor = self.bodies.iter().enumerate().filter(|(_, body)| body.on_floor);
+        on_floor.map(|(robot, body)| (robot, seen(body))).collect()
     }
 
     fn move_bodies(&mut self) {

@@ -128,7 +128,8 @@ fn smooth_plans_are_driven_as_planned() {
     assert_eq!(outcome.violations, [], "{}", outcome.transcript.text());
     assert_eq!(state_of(&outcome), "COMPLETED", "{}", outcome.transcript.text());
     for (id, track) in &tracks {
-        let points: Vec<Point> = track.nodes.values().copied().collect();
+        // Up to the last place passed before anything was planned anew.
+        let points: Vec<Point> = track.nodes.range(..=track.passed).map(|(_, &point)| point).collect();
         let planned_s = motion.path_s(&points, Some(track.heading_rad));
         let driven_s = track.passed_at.secs_since(track.ordered.expect("every robot has work"));
         println!("{id} planned {planned_s:.2} s, driven {driven_s:.2} s, ratio {:.4}", driven_s / planned_s);
@@ -186,7 +187,8 @@ fn of_mcfs(name: &str, planner: &str, faults: &str) -> Option<Arc<Scenario>> {
     };
     let value: serde_json::Value = serde_json::from_str(&text).expect("an instance");
     let ring = |ring: &serde_json::Value| -> Vec<[f64; 2]> {
-        let corner = |at: &serde_json::Value| [0, 1].map(|axis| at[axis].as_f64().expect("a number") * LARGER);
+        let corner =
+            |at: &serde_json::Value| [0, 1].map(|axis| at[axis].as_f64().expect("a number") * LARGER);
         ring.as_array().expect("a ring").iter().map(corner).collect()
     };
     let holes: Vec<_> = value["polygon"]["holes"].as_array().into_iter().flatten().map(ring).collect();
@@ -198,7 +200,8 @@ fn of_mcfs(name: &str, planner: &str, faults: &str) -> Option<Arc<Scenario>> {
         "[mission]\nid = \"{name}\"\nmap = {map:?}\n[robot]\ntool_width_m = 0.5\n\
          [fleet]\ncount = {count}\nspread = true\n{faults}"
     );
-    let mut scenario = Scenario::parse(&scenario, Path::new("mcfs.toml")).unwrap_or_else(|error| panic!("{error}"));
+    let mut scenario =
+        Scenario::parse(&scenario, Path::new("mcfs.toml")).unwrap_or_else(|error| panic!("{error}"));
     scenario.file.mission.planner = planner.to_owned();
     Some(Arc::new(scenario))
 }

@@ -73,6 +73,11 @@ fn people() {
 }
 
 #[test]
+fn queue() {
+    tells("queue", &["FAULT  queue: 4 people", "BLOCKED  obstacle", "CLEARED"], "COMPLETED");
+}
+
+#[test]
 fn battery_drop() {
     tells("battery_drop", &["FAULT  battery_drop", "r2     LOW BATTERY", "r2     CHARGING"], "COMPLETED");
 }

@@ -29,6 +29,12 @@ pub struct PlanReport {
     pub planning_s: f64,
     /// No plan can be done sooner, seconds.
     pub lower_bound_s: f64,
+    /// Area that the tool sweeps from where the robots get to, square metres.
+    pub coverable_m2: f64,
+    /// Area that the tool would sweep, but no robot gets there (a door is too narrow), square metres.
+    pub out_of_reach_m2: f64,
+    /// Free ground that the tool touches from no cell's centre, square metres.
+    pub untouchable_m2: f64,
     /// Area swept, as a share of the area to be swept.
     pub coverage_ratio: f64,
     /// Cells entered again, as a share of cells entered.
@@ -72,12 +78,17 @@ impl PlanReport {
                 path: corners(&plan.routes()[number]),
             }
         });
+        let instance = task.instance();
+        let coverable_m2 = task.floor.coverable_from_m2(&instance.visit);
         Self {
             format: Format::V1,
             planner: plan.planner().to_owned(),
             makespan_s: figures.makespan_s,
             planning_s,
-            lower_bound_s: lower_bound_s(&task.instance()),
+            lower_bound_s: lower_bound_s(&instance),
+            coverable_m2,
+            out_of_reach_m2: (task.floor.coverable_m2() - coverable_m2).max(0.0),
+            untouchable_m2: task.floor.untouchable_m2(),
             coverage_ratio: figures.coverage_ratio,
             overlap_ratio: figures.overlap_ratio,
             turns: figures.turns.iter().sum(),
@@ -113,6 +124,19 @@ impl fmt::Display for PlanReport {
         writeln!(f, "planner      {}", self.planner)?;
         writeln!(f, "makespan     {:.1} s (no plan can beat {:.1} s)", self.makespan_s, self.lower_bound_s)?;
         writeln!(f, "planned in   {:.3} s", self.planning_s)?;
+        writeln!(f, "coverable    {:.1} m²", self.coverable_m2)?;
+        if self.out_of_reach_m2 > 0.0 {
+            writeln!(
+                f,
+                "out of reach {:.1} m² behind passages too narrow for the body",
+                self.out_of_reach_m2
+            )?;
+        }
+        writeln!(
+            f,
+            "untouchable  {:.1} m² of free ground that the tool touches from no cell",
+            self.untouchable_m2
+        )?;
         writeln!(f, "coverage     {:.2} % of what the tool can reach", 100.0 * self.coverage_ratio)?;
         writeln!(f, "overlap      {:.2} %", 100.0 * self.overlap_ratio)?;
         writeln!(f, "turns        {}", self.turns)?;

@@ -69,6 +69,7 @@ pub struct Floor {
     drivable: Vec<bool>,
     moves: Vec<u8>,
     required: Vec<u64>,
+    free_samples: u64,
     classes: Vec<CellClass>,
     map: Option<Arc<GridMap>>,
 }
@@ -99,9 +100,21 @@ impl Floor {
             return Err(FloorError::NothingDrivable { body_radius_m, cell_m });
         }
         let moves = open_moves(map, &lattice, &drivable, body_radius_m);
-        let (required, classes) = required_samples(map, &lattice, &drivable, tool_width_m / 2.0);
+        let free: Vec<u64> = lattice.cells().map(|cell| free_samples(map, &lattice, cell)).collect();
+        let (required, classes) = required_samples(&lattice, &drivable, &free, tool_width_m / 2.0);
+        let free_samples = count(&free);
         let map = Some(Arc::new(map.clone()));
-        Ok(Self { lattice, body_radius_m, tool_width_m, drivable, moves, required, classes, map })
+        Ok(Self {
+            lattice,
+            body_radius_m,
+            tool_width_m,
+            drivable,
+            moves,
+            required,
+            free_samples,
+            classes,
+            map,
+        })
     }
 
     /// A floor straight from cells, where each free cell can be driven and is required whole: the grid of the
@@ -118,11 +131,22 @@ impl Floor {
                     .fold(0, |bits, direction| bits | 1 << direction as u8)
             })
             .collect();
-        let required = free.iter().map(|&free| if free { u64::MAX } else { 0 }).collect();
+        let required: Vec<u64> = free.iter().map(|&free| if free { u64::MAX } else { 0 }).collect();
         let classes =
             free.iter().map(|&free| if free { CellClass::Coverable } else { CellClass::Obstacle }).collect();
         let drivable = free.to_vec();
-        Self { lattice, body_radius_m, tool_width_m, drivable, moves, required, classes, map: None }
+        let free_samples = count(&required);
+        Self {
+            lattice,
+            body_radius_m,
+            tool_width_m,
+            drivable,
+            moves,
+            required,
+            free_samples,
+            classes,
+            map: None,
+        }
     }
 
     /// Closes a move, and the way back: a wall that is thinner than a cell.
@@ -219,8 +243,18 @@ impl Floor {
 
     /// Area that can be swept, square metres.
     pub fn coverable_m2(&self) -> f64 {
-        let samples: u64 = self.required.iter().map(|samples| u64::from(samples.count_ones())).sum();
-        crate::SweptRaster::area_m2(&self.lattice, samples)
+        crate::SweptRaster::area_m2(&self.lattice, count(&self.required))
+    }
+
+    /// Area that can be swept from the cells marked in `reachable` (row-major) alone, square metres.
+    pub fn coverable_from_m2(&self, reachable: &[bool]) -> f64 {
+        crate::SweptRaster::area_m2(&self.lattice, count(&self.required_from(reachable)))
+    }
+
+    /// Free ground that the tool touches from no cell's centre, square metres: corners, niches, passages too narrow for
+    /// the body, strips beside the lattice.
+    pub fn untouchable_m2(&self) -> f64 {
+        crate::SweptRaster::area_m2(&self.lattice, self.free_samples - count(&self.required))
     }
 
     /// Whether a tool of this width, metres, fits between the walls at some place where the body can stand.
@@ -276,18 +310,20 @@ fn open_moves(map: &GridMap, lattice: &Lattice, drivable: &[bool], body_radius_m
     moves
 }
 
+fn count(samples: &[u64]) -> u64 {
+    samples.iter().map(|samples| u64::from(samples.count_ones())).sum()
+}
+
 fn required_samples(
-    map: &GridMap,
     lattice: &Lattice,
     drivable: &[bool],
+    free: &[u64],
     tool_radius_m: f64,
 ) -> (Vec<u64>, Vec<CellClass>) {
     let reachable = reach_of(lattice, drivable, tool_radius_m);
     let mut required = vec![0_u64; lattice.len()];
     let mut classes = vec![CellClass::Obstacle; lattice.len()];
-    for cell in lattice.cells() {
-        let Some(index) = lattice.index(cell) else { continue };
-        let free = free_samples(map, lattice, cell);
+    for (index, &free) in free.iter().enumerate() {
         required[index] = free & reachable[index];
         classes[index] = match (free, required[index]) {
             (0, _) => CellClass::Obstacle,

@@ -146,6 +146,27 @@ mod tests {
         assert_eq!(free, [false, true, true, false], "unknown (205) counts as blocked");
     }
 
+    #[test]
+    fn a_ros_map_without_its_image_is_named_by_the_image() {
+        let yaml = b"image: nowhere.pgm\nresolution: 0.5\norigin: [0, 0, 0]\n";
+        let said = load("floor.yaml", yaml).unwrap_err().to_string();
+        assert!(said.contains("nowhere.pgm") && said.contains("check the path"), "{said}");
+    }
+
+    #[test]
+    fn a_ros_map_may_begin_anywhere() {
+        let folder = tempfile::tempdir().unwrap();
+        let yaml = "image: floor.png\nresolution: 0.05\norigin: [-12.5, 3.25, 0.0]\n";
+        std::fs::write(folder.path().join("floor.yaml"), yaml).unwrap();
+        let mut image = image::GrayImage::from_pixel(40, 20, image::Luma([254]));
+        image.put_pixel(0, 19, image::Luma([0]));
+        image.save(folder.path().join("floor.png")).unwrap();
+        let map = HOW.load(folder.path().join("floor.yaml")).unwrap();
+        assert!((map.corner() - crate::Point::new(-10.5, 4.25)).norm() < 1e-9);
+        assert!(!map.point_is_free(crate::Point::new(-12.475, 3.275)), "the lower left pixel");
+        assert!(map.point_is_free(crate::Point::new(-12.475, 4.225)));
+    }
+
     proptest! {
         #[test]
         fn no_bytes_make_a_reader_panic(

@@ -203,6 +203,22 @@ mod tests {
     }
 
     #[test]
+    fn a_resolution_that_is_none_is_refused_by_key() {
+        for resolution in ["0", "-0.05", ".nan", ".inf"] {
+            let text = format!("image: a.pgm\nresolution: {resolution}\norigin: [0, 0, 0]\n");
+            let said = parse_header(&text).unwrap_err().to_string();
+            assert!(said.starts_with("`resolution`") && said.contains("above 0"), "{said}");
+        }
+    }
+
+    /// 205 is unknown at the usual 0.196, and free at the 0.25 that some maps come with.
+    #[test]
+    fn thresholds_are_compared_as_map_server_does() {
+        assert!(!header("free_thresh: 0.196").unwrap().is_free(205));
+        assert!(header("free_thresh: 0.25").unwrap().is_free(205));
+    }
+
+    #[test]
     fn a_huge_image_is_refused_before_it_is_decoded() {
         let error = header("").unwrap().grid(b"P5\n100000 100000\n255\n").unwrap_err();
         assert_eq!(error, MapError::TooLarge { columns: 100_000, rows: 100_000 });

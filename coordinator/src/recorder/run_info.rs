@@ -3,7 +3,7 @@
 use super::RecordError;
 use super::log_file::LogFile;
 use crate::Mission;
-use crate::coordinator::COVERAGE_TOLERANCE_M;
+use crate::coordinator::{COVERAGE_TOLERANCE_M, WALL_MARGIN_M};
 use protocol::v1;
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -58,6 +58,7 @@ impl RunInfo {
         fact("body_radius_m", mission.body_radius_m.to_string());
         fact("tool_width_m", mission.tool_width_m.to_string());
         fact("coverage_tolerance_m", COVERAGE_TOLERANCE_M.to_string());
+        fact("wall_margin_m", WALL_MARGIN_M.to_string());
         fact("map_origin_x_m", mission.map.origin().x.to_string());
         fact("map_origin_y_m", mission.map.origin().y.to_string());
         fact("map_resolution_m", mission.map.resolution_m().to_string());

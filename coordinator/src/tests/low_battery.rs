@@ -1,5 +1,5 @@
 use super::Story;
-use protocol::v1::EndAction;
+use protocol::v1::{self, EndAction};
 
 #[test]
 fn a_robot_with_a_low_battery_goes_to_the_station_and_its_work_to_the_other() {
@@ -22,4 +22,58 @@ fn a_second_robot_queues_for_the_only_station() {
     }
     story.run(1.0, &[0, 1]);
     assert!(story.says("QUEUED"));
+}
+
+/// Metres along the order's places up to a node, and home from there over the lattice.
+fn there_and_home_m(order: &v1::Order, last: u64) -> f64 {
+    let places: Vec<&v1::Node> = order.nodes.iter().filter(|node| node.sequence_id <= last).collect();
+    let length_m = |a: &v1::Node, b: &v1::Node| (a.x_m - b.x_m).hypot(a.y_m - b.y_m);
+    let there_m: f64 = places.windows(2).map(|pair| length_m(pair[0], pair[1])).sum();
+    places.last().map_or(0.0, |end| there_m + (end.x_m - 0.25).abs() + (end.y_m - 1.75).abs())
+}
+
+/// One percent a metre: what is granted can be driven and left for home with the reserve to spare, and one node more
+/// could not. The robot reports no progress, so its first grants are all there are.
+#[test]
+fn ground_is_granted_exactly_as_far_as_the_battery_lasts_there_and_home() {
+    let mut broke_off = 0;
+    for tenths in (105..180).step_by(5) {
+        let charge = f64::from(tenths) / 10.0;
+        let mut story = Story::begin_with(&v1::EnergyModel {
+            capacity_wh: 1.0,
+            drive_w_per_m_per_s: 36.0,
+            ..v1::EnergyModel::default()
+        });
+        story.states[1].state_of_charge_percent = charge;
+        story.answer();
+        story.run(0.1, &[1]);
+        let Some((_, order)) = story.orders.iter().find(|(robot, order)| robot == "r2" && order.complete)
+        else {
+            continue;
+        };
+        let order = order.clone();
+        let released = story.grants_of("r2", order.order_id);
+        let spare = charge - 10.0;
+        assert!(released == order.nodes[0].sequence_id || there_and_home_m(&order, released) <= spare + 1e-9);
+        if story.says("QUEUED")
+            || story.orders.iter().any(|(_, order)| order.end_action() == EndAction::StartCharging)
+        {
+            broke_off += 1;
+            let next = there_and_home_m(&order, released + 1);
+            assert!(next > spare, "at {charge} % it could have gone on to {next} m");
+        }
+    }
+    assert!(broke_off > 3, "{broke_off}");
+}
+
+#[test]
+fn ground_that_no_battery_reaches_is_named_before_the_start() {
+    let story = Story::begin_with(&v1::EnergyModel {
+        capacity_wh: 1.0,
+        drive_w_per_m_per_s: 36.0 * 20.0, // 20 percent a metre: 70 percent last for 3.5 m, there and back
+        ..v1::EnergyModel::default()
+    });
+    let said = story.events.iter().find(|event| event.event == "OUT OF RANGE").expect("it is said");
+    assert!(said.text.contains("cells") && said.text.contains("put a station nearer"), "{}", said.text);
+    assert!(story.plans[0].visit.iter().filter(|&&visit| visit).count() < 20, "they are not planned for");
 }

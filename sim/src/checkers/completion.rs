@@ -1,8 +1,8 @@
 //! L1: what healthy robots can reach at the end is covered. What "can reach" means is reckoned from the world
-//! alone: walls, obstacles that are still there, machines that stand dead on the floor.
+//! alone: walls, obstacles and queues that are still there, machines that stand dead on the floor.
 
 use super::{Checker, Seen, for_each_cell};
-use crate::{scenario::breadth_first_where, world::World};
+use crate::{people::PERSON_RADIUS_M, scenario::breadth_first_where, world::World};
 use coordinator::Publication;
 use protocol::v1::{CellStatus, MissionState};
 use terrain::{Cell, Point};
@@ -65,9 +65,12 @@ fn reachable(world: &World, healthy: &[bool]) -> Vec<Cell> {
         .filter(|(body, healthy)| body.on_floor && !**healthy)
         .map(|(body, _)| body.position())
         .collect();
+    let queues: Vec<Point> =
+        world.people.iter().filter(|person| person.stands()).map(|person| person.position).collect();
     let is_clear = |cell: Cell| {
         let at = floor.lattice().center(cell);
         world.obstacles.iter().all(|obstacle| obstacle.shape.distance_m(at) > keep_away_m)
+            && queues.iter().all(|&person| (person - at).norm() > keep_away_m + PERSON_RADIUS_M)
             && dead.iter().all(|&body| (body - at).norm() > keep_away_m + world.body_radius_m())
     };
     let starts = world
