@@ -13,6 +13,8 @@ const SIDE_MARGIN_M: f64 = 0.02;
 const GAP_M: f64 = 0.15;
 /// Obstacles are looked for this far ahead of what stopping needs, metres.
 const AHEAD_M: f64 = 0.4;
+/// The way to the next node comes nearer to what is in the way by at least this, metres.
+const AWAY_M: f64 = 0.002;
 /// Points in a report.
 const POINTS_MAX: usize = 32;
 
@@ -45,8 +47,12 @@ impl ObstacleWatch {
             }
             let bearing = place.theta + scan.angle_min_rad + scan.angle_increment_rad * beam as f64;
             let hit = Point::new(place.x + range * bearing.cos(), place.y + range * bearing.sin());
-            let in_the_way =
-                corridor.iter().any(|piece| piece.distance_to_point(hit) < body_radius_m + SIDE_MARGIN_M);
+            let here_m = (hit - place.point()).norm();
+            let in_the_way = corridor.iter().enumerate().any(|(number, piece)| {
+                let apart_m = piece.distance_to_point(hit);
+                // What it stands beside is not in its way when it leads away from there.
+                apart_m < body_radius_m + SIDE_MARGIN_M && (number > 0 || apart_m < here_m - AWAY_M)
+            });
             if in_the_way && self.hits.len() < POINTS_MAX {
                 self.hits.push(hit);
             }

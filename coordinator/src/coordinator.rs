@@ -21,7 +21,7 @@ use terrain::{Cell, Floor, FloorError};
 pub(crate) const COVERAGE_TOLERANCE_M: f64 = 0.04;
 /// Routes keep bodies so far from walls, metres: tracking and pose error, and the 2 cm beside its body in which a robot
 /// stops for whatever its range finder sees.
-pub const WALL_MARGIN_M: f64 = 0.04;
+pub const WALL_MARGIN_M: f64 = 0.05;
 /// How often the coordinator looks around by itself.
 const TICK: Duration = Duration::from_millis(100);
 

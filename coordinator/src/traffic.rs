@@ -345,7 +345,7 @@ impl Coordinator {
                 && others.iter().all(|held| held.distance_to_point(center) >= separation)
         };
         let horizon: Vec<Waypoint> = self.robots[index].route.horizon().copied().collect();
-        let Some((target, goal)) = self.where_to_join(&horizon, &others, open) else { return false };
+        let Some((target, goal)) = self.where_to_join(from, &horizon, &others, open) else { return false };
         let Some(around) = way::nearest(&self.floor, from, |cell| cell == goal, open) else { return false };
         let beside = self.robots[index].route.base_end().is_some_and(|end| end.cell.is_none());
         if around.len() < 2 && !beside {
@@ -370,6 +370,7 @@ impl Coordinator {
     /// way from the cell to the place, and on from there, must be free as well.
     fn where_to_join(
         &self,
+        from: Cell,
         horizon: &[Waypoint],
         others: &[Segment],
         open: impl Fn(Cell) -> bool,
@@ -386,7 +387,9 @@ impl Coordinator {
             }
             let goes_on = horizon.get(at + 1).is_none_or(|next| free(node.point, next));
             let cell = self.cell_beside(node.point, |_| true).filter(|&cell| open(cell))?;
-            (goes_on && free(self.floor.lattice().center(cell), node)).then_some((at, cell))
+            // Not back to the place before which it stands.
+            let leads_on = at > 0 || cell != from;
+            (leads_on && goes_on && free(self.floor.lattice().center(cell), node)).then_some((at, cell))
         })
     }
 

@@ -24,6 +24,8 @@ const SPREAD_MAX_M: f64 = 0.5;
 /// Share of the angular acceleration that is planned with: the rest is left for speeding up in a bend and for
 /// steering.
 const STEERING_SHARE: f64 = 0.7;
+/// A turn so near to an end is no bend: there is no room to spread it, metres.
+const END_M: f64 = 0.004;
 /// Points nearer than this are the same, metres.
 const SAME_M: f64 = 1e-9;
 /// Turns smaller than this are none, radians.
@@ -178,7 +180,7 @@ fn knots(points: &[Point], at_m: &[f64]) -> Vec<Knot> {
     changes.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut knots = vec![Knot {
         at_m: 0.0,
-        heading_rad: heading_of(points[1] - points[0]),
+        heading_rad: heading_behind_end(points, at_m),
         curvature_per_m: 0.0,
         rate_per_m2: 0.0,
     }];
@@ -203,6 +205,13 @@ fn knots(points: &[Point], at_m: &[f64]) -> Vec<Knot> {
     knots
 }
 
+/// The heading where the first bend can be.
+fn heading_behind_end(points: &[Point], at_m: &[f64]) -> f64 {
+    let last = points.len() - 1;
+    let at = at_m[1..last].iter().take_while(|&&way_m| way_m < END_M).count();
+    heading_of(points[at + 1] - points[at])
+}
+
 /// A vertex, and by how much it turns.
 #[derive(Debug, Clone, Copy)]
 struct Bend {
@@ -213,7 +222,9 @@ struct Bend {
 }
 
 fn bends(points: &[Point], at_m: &[f64]) -> Vec<Bend> {
+    let length_m = at_m[at_m.len() - 1];
     (1..points.len() - 1)
+        .filter(|&at| at_m[at] >= END_M && length_m - at_m[at] >= END_M)
         .map(|at| Bend {
             at_m: at_m[at],
             turn_rad: angle_between(
@@ -230,7 +241,7 @@ fn bends(points: &[Point], at_m: &[f64]) -> Vec<Bend> {
 /// turns around it.
 fn spread_m(bends: &[Bend], number: usize, length_m: f64) -> f64 {
     let bend = bends[number];
-    let room_m = bend.at_m.min(length_m - bend.at_m).max(0.002);
+    let room_m = bend.at_m.min(length_m - bend.at_m);
     let mut spread_m = bend.spacing_m.clamp(SPREAD_M, SPREAD_MAX_M).min(room_m);
     for _ in 0..8 {
         let cut_m = cut_m(bends, number, spread_m);
@@ -239,7 +250,7 @@ fn spread_m(bends: &[Bend], number: usize, length_m: f64) -> f64 {
         }
         spread_m *= (CUT_M / cut_m).max(0.5);
     }
-    spread_m.max(0.002)
+    spread_m.max(0.5 * END_M)
 }
 
 /// How far the line is cut at a vertex when all turns are spread over `spread_m` to either side.
@@ -418,6 +429,16 @@ mod tests {
             }
             assert!(nearest_m < 1.2 * CUT_M, "{turn}: {nearest_m}");
         }
+    }
+
+    #[test]
+    fn a_turn_right_behind_the_start_costs_no_time() {
+        let line =
+            [Point::new(-0.0003, -0.0001), Point::origin(), Point::new(0.5, 0.0), Point::new(1.0, 0.0)];
+        let (plain_s, total_s) = (MODEL.run_s(1.0), MODEL.path_s(&line, Some(0.0)));
+        assert!(total_s < plain_s + 0.3, "{total_s} s instead of {plain_s} s");
+        let backwards: Vec<Point> = line.iter().rev().copied().collect();
+        assert!(MODEL.path_s(&backwards, None) < plain_s + 0.01);
     }
 
     #[test]
