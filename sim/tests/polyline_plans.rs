@@ -148,6 +148,31 @@ fn with_a_robot_killed_half_way_a_smooth_plan_is_completed() {
     assert_eq!((state_of(&outcome), outcome.contacts), ("COMPLETED", 0), "{}", outcome.transcript.text());
 }
 
+/// `cargo test -p sim --test polyline_plans -- --ignored --nocapture`: the same two stories with each planner of the table
+/// that leaves the lattice.
+#[test]
+#[ignore = "planners of the table may take minutes for a floor"]
+fn every_planner_that_leaves_the_lattice_is_driven_to_the_end() {
+    for planner in planner::PLANNERS.iter().filter(|planner| !keeps_to_lattice(planner.name)) {
+        for faults in ["", "kind = \"kill\"\nrobot = \"r2\"\nwhen_covered_percent = 50.0"] {
+            let scenario = load("office.toml", |scenario| {
+                scenario.file.mission.planner = planner.name.to_owned();
+                scenario.file.faults.clear();
+                if !faults.is_empty() {
+                    scenario.file.faults.push(toml::from_str(faults).expect("a fault"));
+                }
+            });
+            let options = Options { virtual_max_s: 7200.0, ..Options::default() };
+            let outcome = Rehearsal::run(&scenario, 1, options, None).expect("the floor is sound");
+            let result = outcome.result.as_ref().expect("it ends");
+            println!("{}: planned {:.0} s", planner.name, result.planned_makespan_s);
+            println!("{}", outcome.transcript.text());
+            assert_eq!(outcome.violations, [], "{}", outcome.transcript.text());
+            assert_eq!((state_of(&outcome), outcome.contacts), ("COMPLETED", 0), "{}", planner.name);
+        }
+    }
+}
+
 /// Played in every test run.
 const STORIES: Range<u64> = 0..12;
 
