@@ -12,6 +12,7 @@ mod disjoint_sets;
 mod division;
 mod edge_weights;
 mod instance;
+pub mod isograph;
 mod lower_bound;
 mod matching;
 mod plan;
