@@ -4,32 +4,11 @@
 //! once; where all tuples of an edge of the tree are used up, the line is stitched to any other line of the path.
 
 use super::{
-    graph::{Isograph, LineId, StationId, Tuple},
+    graph::{Isograph, StationId, Tuple},
+    loop_tree::{LoopTree, tuples_between},
     selector::Selection,
     weave::Weave,
 };
-
-/// A closed line of a tree: an isoline, or a part of two of them.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Loop {
-    pub(super) ring: Vec<StationId>,
-    /// The isolines that it has stations of.
-    pub(super) lines: Vec<LineId>,
-}
-
-impl Loop {
-    pub(super) fn whole(graph: &Isograph, line: LineId) -> Self {
-        Self { ring: graph.stations(line).collect(), lines: vec![line] }
-    }
-}
-
-/// What one robot covers.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct LoopTree {
-    pub(super) loops: Vec<Loop>,
-    /// Parent of each; that of the root is itself.
-    pub(super) parents: Vec<usize>,
-}
 
 /// The loops of a tree stitched together, and those that could not be.
 pub(super) struct Spiral<'a> {
@@ -41,11 +20,11 @@ pub(super) struct Spiral<'a> {
 /// Stitches the loops of a tree.
 pub(super) fn spiral<'a>(graph: &'a Isograph, tree: &LoopTree, selection: &mut Selection) -> Spiral<'a> {
     let mut builder = Builder::new(graph, tree);
-    for child in depth_first(&tree.parents) {
-        let parent = tree.parents[child];
-        if parent == child {
-            builder.connected.push(child);
-        } else if !builder.attach(parent, child, selection) {
+    let parents = tree.parents(graph);
+    builder.connected.push(tree.root);
+    for child in depth_first(&parents, tree.root) {
+        let parent = parents[child];
+        if parent == child || !builder.attach(parent, child, selection) {
             builder.spiral.apart.push(child);
         }
     }
@@ -92,31 +71,20 @@ impl<'a, 't> Builder<'a, 't> {
     }
 }
 
-/// All tuples with a step in each loop.
-pub(super) fn tuples_between(graph: &Isograph, one: &Loop, other: &Loop) -> Vec<Tuple> {
-    let joins = |lines: [LineId; 2]| {
-        let [a, b] = lines.map(|line| (one.lines.contains(&line), other.lines.contains(&line)));
-        (a.0 && b.1) || (a.1 && b.0)
-    };
-    let edges = graph.edges.iter().filter(|edge| joins(edge.lines));
-    let mut places = vec![0_u8; graph.station_count()];
-    one.ring.iter().for_each(|&station| places[station as usize] |= 1);
-    other.ring.iter().for_each(|&station| places[station as usize] |= 2);
-    let spans = |tuple: &Tuple| tuple.steps.iter().map(|&step| places[step as usize]).sum::<u8>() == 3;
-    edges.flat_map(|edge| edge.tuples.iter().copied().filter(spans)).collect()
-}
-
-/// Loops in the order of a depth first walk from the root.
-fn depth_first(parents: &[usize]) -> Vec<usize> {
+/// Loops in the order of a depth first walk from the root, without it; then those that hang on nothing, each with what
+/// hangs on it.
+fn depth_first(parents: &[usize], root: usize) -> Vec<usize> {
     let mut children = vec![Vec::new(); parents.len()];
     let mut stack = Vec::new();
     for (child, &parent) in parents.iter().enumerate() {
         if parent == child { stack.push(child) } else { children[parent].push(child) }
     }
+    stack.sort_by_key(|&top| (top == root, std::cmp::Reverse(top)));
     let mut order = Vec::with_capacity(parents.len());
     while let Some(at) = stack.pop() {
         order.push(at);
         stack.extend(children[at].iter().rev());
     }
+    order.retain(|&index| index != root);
     order
 }

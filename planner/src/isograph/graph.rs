@@ -24,6 +24,14 @@ pub(super) struct Tuple {
     pub(super) faces: bool,
 }
 
+impl Tuple {
+    /// With the step of the line of the lower number first.
+    pub(super) fn sorted(mut self, graph: &Isograph) -> Self {
+        self.steps.sort_by_key(|&step| graph.line_of(step));
+        self
+    }
+}
+
 /// Two lines that can be stitched.
 #[derive(Debug, Clone)]
 pub(super) struct Edge {
@@ -56,9 +64,7 @@ impl Isograph {
     pub(super) fn new(lines: Vec<Isoline>, walls: &Walls, tool_m: f64) -> Self {
         let mut graph = Self::without_edges(lines, tool_m);
         let index = StationIndex::new(&graph);
-        for tuple in index.stitches(&graph).into_iter().filter(|&tuple| graph.is_sound(tuple, walls, 1)) {
-            graph.add(tuple, 1, 0.0);
-        }
+        graph.add_sound(index.stitches(&graph), walls);
         graph.join_pieces(index.facing(&graph), walls);
         graph
     }
@@ -86,9 +92,12 @@ impl Isograph {
                 pieces.find(u) != pieces.find(v)
             })
             .collect();
-        for tuple in apart.into_iter().filter(|&tuple| self.is_sound(tuple, walls, 1)).collect::<Vec<_>>() {
-            self.add(tuple, 1, 0.0);
-        }
+        self.add_sound(apart, walls);
+    }
+
+    fn add_sound(&mut self, mut tuples: Vec<Tuple>, walls: &Walls) {
+        tuples.retain(|&tuple| self.is_sound(tuple, walls, 1));
+        tuples.into_iter().for_each(|tuple| self.add(tuple, 1, 0.0));
     }
 
     /// Adds a tuple to the edge between its lines.
@@ -146,6 +155,23 @@ impl Isograph {
     pub(super) fn corners_before(&self, station: StationId) -> &[Point] {
         let (line, place) = self.place_on_line(station);
         &line.stations[place].corners_before
+    }
+
+    /// The corners on the way from a station to its neighbour on the line; none between other stations.
+    pub(super) fn corners_between(&self, from: StationId, to: StationId) -> Vec<Point> {
+        if self.before(to) == from {
+            self.corners_before(to).to_vec()
+        } else if self.before(from) == to {
+            self.corners_before(from).iter().rev().copied().collect()
+        } else {
+            Vec::new()
+        }
+    }
+
+    /// Length of the step to this station.
+    pub(super) fn step_m(&self, station: StationId) -> f64 {
+        let (line, place) = self.place_on_line(station);
+        line.step_m(place)
     }
 
     /// B(p): the station before this one on its line.

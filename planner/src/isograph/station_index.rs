@@ -28,7 +28,7 @@ impl StationIndex {
             (self.nearest[q as usize][BELOW] == Some(p)).then_some([p, q])
         };
         let pairs = (0..graph.station_count() as StationId).filter_map(mutual);
-        pairs.map(|steps| Tuple { steps: sorted(graph, steps), faces: false }).collect()
+        pairs.map(|steps| Tuple { steps, faces: false }.sorted(graph)).collect()
     }
 
     /// Pairs on two lines of one layer that are nearest to each other. The other line runs the opposite way: the step
@@ -39,12 +39,8 @@ impl StationIndex {
             (p < q && self.nearest[q as usize][BESIDE] == Some(p)).then_some([p, graph.after(q)])
         };
         let pairs = (0..graph.station_count() as StationId).filter_map(mutual);
-        pairs.map(|steps| Tuple { steps: sorted(graph, steps), faces: true }).collect()
+        pairs.map(|steps| Tuple { steps, faces: true }.sorted(graph)).collect()
     }
-}
-
-fn sorted(graph: &Isograph, [p, q]: [StationId; 2]) -> [StationId; 2] {
-    if graph.line_of(p) < graph.line_of(q) { [p, q] } else { [q, p] }
 }
 
 fn nearest(

@@ -71,21 +71,7 @@ impl<'a> Weave<'a> {
 
     /// The first point on the way to a neighbouring station.
     fn first_towards(&self, station: StationId, to: StationId) -> Point {
-        self.between(station, to).first().copied().unwrap_or_else(|| self.graph.point(to))
-    }
-
-    /// The corners on the way to a neighbouring station.
-    fn between(&self, station: StationId, to: StationId) -> Vec<Point> {
-        let graph = self.graph;
-        if graph.line_of(station) != graph.line_of(to) {
-            Vec::new()
-        } else if graph.before(to) == station {
-            graph.corners_before(to).to_vec()
-        } else if graph.before(station) == to {
-            graph.corners_before(station).iter().rev().copied().collect()
-        } else {
-            Vec::new()
-        }
+        self.graph.corners_between(station, to).first().copied().unwrap_or_else(|| self.graph.point(to))
     }
 
     /// The stations from this one around its closed line.
@@ -99,16 +85,6 @@ impl<'a> Weave<'a> {
             (before, at) = (at, next);
         }
         ring
-    }
-
-    /// The points of a closed line of stations, corners included, the first not repeated.
-    pub(super) fn points(&self, ring: &[StationId]) -> Vec<Point> {
-        let mut points = Vec::with_capacity(ring.len());
-        for (index, &station) in ring.iter().enumerate() {
-            points.push(self.graph.point(station));
-            points.extend(self.between(station, ring[(index + 1) % ring.len()]));
-        }
-        points
     }
 }
 
