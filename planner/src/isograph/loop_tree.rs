@@ -62,6 +62,16 @@ impl LoopTree {
         parents
     }
 
+    /// The tree without a line; nothing when that is its root or it would fall apart.
+    pub(super) fn without(&self, graph: &Isograph, line: LineId) -> Option<Self> {
+        let place = self.loops.iter().position(|part| part.is_whole(line)).filter(|&place| place != self.root)?;
+        let mut rest = self.clone();
+        rest.loops.remove(place);
+        rest.root -= usize::from(place < self.root);
+        let tops = rest.parents(graph).into_iter().enumerate().filter(|&(child, parent)| child == parent);
+        (tops.count() == 1).then_some(rest)
+    }
+
     /// Length of the loops and of what joins them; loops that hang on nothing are not charged for the way.
     pub(super) fn cost_m(&self, graph: &Isograph) -> f64 {
         let parents = self.parents(graph);

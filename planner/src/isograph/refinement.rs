@@ -65,8 +65,11 @@ impl<'a> Refinement<'a> {
             Some(line) => {
                 self.used[line as usize] = true;
                 let choices = self.choices(line, Vec::new());
-                // A line that cannot be split is left as it is.
-                self.take(choices);
+                if choices.is_empty() {
+                    self.leave_to_one(line);
+                } else {
+                    self.take(choices);
+                }
                 true
             }
             None => self.share_work(),
@@ -97,6 +100,21 @@ impl<'a> Refinement<'a> {
             Some(Choice { splitting, division, lines, given_to: given_to.clone() })
         };
         self.partners(line).filter_map(choice).collect()
+    }
+
+    /// A line that cannot be split goes to the cheapest of its trees, as far as the others hang together without.
+    fn leave_to_one(&mut self, line: LineId) {
+        let costs_m = self.costs_m();
+        let mut holders: Vec<usize> = (0..self.trees.len()).filter(|&tree| has(&self.trees[tree], line)).collect();
+        holders.sort_by(|&one, &other| costs_m[other].total_cmp(&costs_m[one]));
+        let mut left = holders.len();
+        for tree in holders {
+            let without = self.trees[tree].without(self.graph, line);
+            if let Some(without) = without.filter(|_| left > 1) {
+                self.trees[tree] = without;
+                left -= 1;
+            }
+        }
     }
 
     /// Neighbours that were not split yet.
