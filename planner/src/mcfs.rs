@@ -10,6 +10,8 @@ mod joint;
 mod near;
 mod polygon_instance;
 mod sharing;
+mod smoothing;
+mod swept_counts;
 mod tracks;
 mod walls;
 mod web;
@@ -19,6 +21,8 @@ pub use polygon_instance::{PolygonError, PolygonInstance, RingName};
 use crate::{Plan, Route};
 use drive::{Drives, Neighbours};
 use sharing::{Share, Sharing};
+use smoothing::Smoothing;
+use swept_counts::SweptCounts;
 use terrain::Point;
 use walls::Walls;
 use web::Web;
@@ -65,15 +69,18 @@ pub fn cover(instance: &PolygonInstance, options: &McfsOptions) -> Result<Plan, 
             shares.extend(sharing.share_out(line, &robots, options.rounds));
         }
     }
-    let mut routes: Vec<Route> =
-        instance.starts.iter().map(|&start| Route { points: vec![start] }).collect();
+    let mut lines: Vec<Vec<Point>> = instance.starts.iter().map(|&start| vec![start]).collect();
     for share in &shares {
         if let Some(drives) = &drives[share.robot] {
-            routes[share.robot].points =
-                round_trip(&web, &walls, drives, share, instance.starts[share.robot]);
+            lines[share.robot] = round_trip(&web, &walls, drives, share, instance.starts[share.robot]);
         }
     }
-    Ok(Plan { routes })
+    let mut swept = SweptCounts::new(&instance.ground, instance.tool_width_m);
+    for pair in lines.iter().flat_map(|line| line.windows(2)) {
+        swept.put_in(pair[0], pair[1]);
+    }
+    Smoothing { swept: &mut swept, walls: &walls, width_m: instance.tool_width_m }.smooth(&mut lines);
+    Ok(Plan { routes: lines.into_iter().map(|points| Route { points }).collect() })
 }
 
 /// From the start into a closed line where that is shortest, along it, and back.

@@ -76,13 +76,14 @@ impl Sharing<'_> {
         let ruler = Ruler::new(self, line, robots);
         let drives_m: f64 = (0..robots.len()).map(|slot| 2.0 * ruler.whole_m(slot)).sum();
         let fair_m = (ruler.length_m() + drives_m) / robots.len() as f64;
-        self.best_chord(line, &ruler, |inner_m, outer_m, inside, outside| {
+        self.best_chord(line, &ruler, |cutting| {
             let rest_m = fair_m * (robots.len() - 1) as f64;
             let mut best: Option<(f64, usize, usize)> = None;
             for slot in 0..robots.len() {
-                let there_m = inner_m + 2.0 * inside(slot);
-                let others = (0..robots.len()).filter(|&other| other != slot).map(|other| 2.0 * outside(other));
-                let rest_need_m = outer_m + others.sum::<f64>();
+                let there_m = cutting.inner_cost_m(slot);
+                let others = (0..robots.len()).filter(|&other| other != slot);
+                let drives_m: f64 = others.map(|other| cutting.outer_cost_m(other) - cutting.outer_m).sum();
+                let rest_need_m = cutting.outer_m + drives_m;
                 let worst = (there_m / fair_m).max(rest_need_m / rest_m) * fair_m;
                 if best.is_none_or(|(least, ..)| worst < least) {
                     best = Some((worst, robots[slot], usize::MAX));
@@ -101,8 +102,67 @@ impl Sharing<'_> {
         order.sort_by(|&(a, b), &(c, d)| costs[c].max(costs[d]).total_cmp(&costs[a].max(costs[b])));
         for (a, b) in order {
             better |= self.even_pair(shares, a, b);
+            let (longer, shorter) =
+                if self.cost_m(&shares[a]) >= self.cost_m(&shares[b]) { (a, b) } else { (b, a) };
+            better |= self.hand_over(shares, longer, shorter);
         }
         better
+    }
+
+    /// Cuts a part off one share and joins it to another one.
+    fn hand_over(&mut self, shares: &mut [Share], from: usize, to: usize) -> bool {
+        let before_m = [self.cost_m(&shares[from]), self.cost_m(&shares[to])];
+        if before_m[0] - before_m[1] < EVEN * before_m[0] {
+            return false;
+        }
+        let (giver, taker) = (shares[from].clone(), shares[to].clone());
+        let touching = self.touching(&giver.line, &taker.line);
+        if touching.last() == Some(&0) {
+            return false;
+        }
+        let ruler = Ruler::new(self, &giver.line, &[giver.robot]);
+        // The robot of the part that is kept is the giver's; of the part given none yet.
+        let chord = self.best_chord(&giver.line, &ruler, |cutting| {
+            let touches_inside = touching[cutting.last + 1] - touching[cutting.first];
+            let touches_outside = touching[giver.line.len()] - touches_inside;
+            let give_inner = cutting.outer_cost_m(0).max(before_m[1] + cutting.inner_m);
+            let give_outer = cutting.inner_cost_m(0).max(before_m[1] + cutting.outer_m);
+            let inner = (touches_inside > 0).then_some((give_inner, usize::MAX, giver.robot));
+            let outer = (touches_outside > 0).then_some((give_outer, giver.robot, usize::MAX));
+            [inner, outer].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0))
+        });
+        let Some(chord) = chord.filter(|chord| chord.score_m < before_m[0]) else { return false };
+        let (inner, outer) = self.cut(&giver.line, chord);
+        let (kept, given) = if chord.inner_robot == giver.robot { (inner, outer) } else { (outer, inner) };
+        if let Some(exchange) = self.best_join(&given, &taker.line) {
+            self.web.apply(exchange);
+            let kept = Share { robot: giver.robot, line: kept };
+            let grown = Share { robot: taker.robot, line: self.web.closed_line(exchange.one.0) };
+            if self.cost_m(&kept).max(self.cost_m(&grown)) < before_m[0] * (1.0 - EVEN / 4.0) {
+                (shares[from], shares[to]) = (kept, grown);
+                return true;
+            }
+            self.web.apply(exchange.undone());
+        }
+        self.undo(&giver.line, chord);
+        false
+    }
+
+    /// Up to each position of a line, how many places lie beside another line.
+    fn touching(&self, line: &[u32], other: &[u32]) -> Vec<u32> {
+        let is_other = self.marks(other);
+        let mut touching = vec![0];
+        for &place in line {
+            let touches = self.neighbours.of(place).iter().any(|&beside| is_other[beside as usize]);
+            touching.push(touching[touching.len() - 1] + u32::from(touches));
+        }
+        touching
+    }
+
+    fn marks(&self, line: &[u32]) -> Vec<bool> {
+        let mut marks = vec![false; self.web.len()];
+        line.iter().for_each(|&place| marks[place as usize] = true);
+        marks
     }
 
     fn even_pair(&mut self, shares: &mut [Share], a: usize, b: usize) -> bool {
@@ -117,9 +177,9 @@ impl Sharing<'_> {
         let line = self.web.closed_line(exchange.one.0);
         let robots = [one.robot, other.robot];
         let ruler = Ruler::new(self, &line, &robots);
-        let chord = self.best_chord(&line, &ruler, |inner_m, outer_m, inside, outside| {
-            let straight = (inner_m + 2.0 * inside(0)).max(outer_m + 2.0 * outside(1));
-            let swapped = (inner_m + 2.0 * inside(1)).max(outer_m + 2.0 * outside(0));
+        let chord = self.best_chord(&line, &ruler, |cutting| {
+            let straight = cutting.inner_cost_m(0).max(cutting.outer_cost_m(1));
+            let swapped = cutting.inner_cost_m(1).max(cutting.outer_cost_m(0));
             let best = if straight <= swapped {
                 (straight, robots[0], robots[1])
             } else {
@@ -140,7 +200,7 @@ impl Sharing<'_> {
             }
             self.undo(&line, chord);
         }
-        self.web.apply(Exchange { one: (exchange.one.0, exchange.other.0), other: (exchange.one.1, exchange.other.1) });
+        self.web.apply(exchange.undone());
         false
     }
 
@@ -159,8 +219,7 @@ impl Sharing<'_> {
 
     /// The cheapest exchange that joins two lines.
     fn best_join(&self, one: &[u32], other: &[u32]) -> Option<Exchange> {
-        let mut is_other = vec![false; self.web.len()];
-        other.iter().for_each(|&place| is_other[place as usize] = true);
+        let is_other = self.marks(other);
         let pairs = one.iter().flat_map(|&place| {
             let beside = self.neighbours.of(place).iter().filter(|&&beside| is_other[beside as usize]);
             beside.flat_map(move |&beside| super::joining::exchanges(self.web, place, beside))
@@ -182,7 +241,7 @@ impl Sharing<'_> {
         &self,
         line: &[u32],
         ruler: &Ruler,
-        judge: impl Fn(f64, f64, &dyn Fn(usize) -> f64, &dyn Fn(usize) -> f64) -> Option<(f64, usize, usize)>,
+        judge: impl Fn(&Cutting<'_>) -> Option<(f64, usize, usize)>,
     ) -> Option<Chord> {
         let mut position = vec![u32::MAX; self.web.len()];
         line.iter().enumerate().for_each(|(at, &place)| position[place as usize] = at as u32);
@@ -202,11 +261,8 @@ impl Sharing<'_> {
                 }
                 let inner_m = ruler.between_m(first, last) + closing_m;
                 let outer_m = ruler.length_m() - ruler.between_m(before_first, after_last as usize) + passing_m;
-                let inside = |slot: usize| ruler.inside_m(slot, first, last);
-                let outside = |slot: usize| ruler.outside_m(slot, first, last);
-                let Some((worst_m, inner_robot, outer_robot)) = judge(inner_m, outer_m, &inside, &outside) else {
-                    continue;
-                };
+                let cutting = Cutting { ruler, first, last, inner_m, outer_m };
+                let Some((worst_m, inner_robot, outer_robot)) = judge(&cutting) else { continue };
                 if best.is_some_and(|best| worst_m >= best.score_m) {
                     continue;
                 }
@@ -230,8 +286,27 @@ impl Sharing<'_> {
     }
 
     fn undo(&mut self, line: &[u32], chord: Chord) {
-        let Exchange { one: (a, a2), other: (b, b2) } = exchange_of(line, chord.first, chord.last);
-        self.web.apply(Exchange { one: (a, b), other: (a2, b2) });
+        self.web.apply(exchange_of(line, chord.first, chord.last).undone());
+    }
+}
+
+/// A chord while it is judged.
+struct Cutting<'a> {
+    ruler: &'a Ruler,
+    first: usize,
+    last: usize,
+    inner_m: f64,
+    outer_m: f64,
+}
+
+impl Cutting<'_> {
+    /// The part within and the drives of a robot there and back, metres.
+    fn inner_cost_m(&self, slot: usize) -> f64 {
+        self.inner_m + 2.0 * self.ruler.inside_m(slot, self.first, self.last)
+    }
+
+    fn outer_cost_m(&self, slot: usize) -> f64 {
+        self.outer_m + 2.0 * self.ruler.outside_m(slot, self.first, self.last)
     }
 }
 

@@ -34,6 +34,13 @@ pub(super) struct Exchange {
     pub(super) other: (u32, u32),
 }
 
+impl Exchange {
+    /// The exchange that takes this one back.
+    pub(super) fn undone(self) -> Self {
+        Self { one: (self.one.0, self.other.0), other: (self.one.1, self.other.1) }
+    }
+}
+
 impl Web {
     pub(super) fn new(tracks: &[Track], width_m: f64) -> Self {
         let corners = tracks.iter().flat_map(|track| track.corners.iter().copied());
