@@ -12,6 +12,7 @@ mod cpu;
 mod grid;
 mod grid_instances;
 mod growth;
+pub mod mcfs;
 mod mfc;
 mod tables;
 mod task;

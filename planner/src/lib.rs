@@ -15,6 +15,7 @@ mod instance;
 pub mod isograph;
 mod lower_bound;
 mod matching;
+pub mod mcfs;
 mod plan;
 pub mod planners;
 mod repair;
