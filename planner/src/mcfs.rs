@@ -12,7 +12,7 @@ mod polygon_instance;
 mod sharing;
 mod smoothing;
 mod swept_counts;
-mod tracks;
+pub(crate) mod tracks;
 mod walls;
 mod web;
 

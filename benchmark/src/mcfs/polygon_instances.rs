@@ -29,6 +29,12 @@ struct File {
     tool_width: f64,
     polygon: Rings,
     robots: Vec<Robot>,
+    alternative_starts: AlternativeStarts,
+}
+
+#[derive(Deserialize)]
+struct AlternativeStarts {
+    nominal: Corners,
 }
 
 #[derive(Deserialize)]
@@ -44,17 +50,31 @@ struct StoredPaths {
 pub fn load(folder: &Path, name: &str) -> Result<PolygonInstance, BenchmarkError> {
     let path = folder.join(format!("mcfs/{name}.json"));
     let file: File = read_json(&path)?;
+    let starts = file.robots.iter().map(|robot| Point::from(robot.start)).collect();
+    instance(&path, file, starts)
+}
+
+/// The same with the starts that the authors name: points of the isolines where trees are rooted.
+///
+/// # Errors
+///
+/// As [`load`].
+pub fn load_with_nominal_starts(folder: &Path, name: &str) -> Result<PolygonInstance, BenchmarkError> {
+    let path = folder.join(format!("mcfs/{name}.json"));
+    let file: File = read_json(&path)?;
+    let starts = file.alternative_starts.nominal.iter().copied().map(Point::from).collect();
+    instance(&path, file, starts)
+}
+
+fn instance(path: &Path, file: File, starts: Vec<Point>) -> Result<PolygonInstance, BenchmarkError> {
     let ring = |corners: Corners| LineString::from(corners);
     let instance = PolygonInstance {
-        ground: Polygon::new(
-            ring(file.polygon.exterior),
-            file.polygon.holes.into_iter().map(ring).collect(),
-        ),
+        ground: Polygon::new(ring(file.polygon.exterior), file.polygon.holes.into_iter().map(ring).collect()),
         tool_width_m: file.tool_width,
         body_radius_m: file.tool_width / 2.0,
-        starts: file.robots.iter().map(|robot| Point::from(robot.start)).collect(),
+        starts,
     };
-    instance.check().map_err(|error| content(&path, error.to_string()))?;
+    instance.check().map_err(|error| content(path, error.to_string()))?;
     Ok(instance)
 }
 

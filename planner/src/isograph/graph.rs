@@ -40,8 +40,10 @@ pub(super) struct Edge {
     pub(super) tuples: Vec<Tuple>,
     /// Number of layers in between plus one.
     pub(super) hops: u32,
-    /// What a stitch adds to the path.
+    /// What a stitch adds to the path; of a bridge, the way there and back.
     pub(super) weight_m: f64,
+    /// A straight line by which lines are joined that no stitch can join: it is driven there and back.
+    pub(super) bridge: Option<[StationId; 2]>,
 }
 
 /// Isolines and how they can be stitched.
@@ -50,33 +52,36 @@ pub(super) struct Isograph {
     pub(super) lines: Vec<Isoline>,
     pub(super) edges: Vec<Edge>,
     pub(super) tool_m: f64,
+    /// How near to the wall a connection may come.
+    pub(super) clearance_m: f64,
     first_station: Vec<StationId>,
     line_of: Vec<LineId>,
 }
 
 /// Stations farther apart than this many tool widths are no neighbours.
 pub(super) const REACH: f64 = 2.0;
-/// How near to the wall a connection may come, in tool widths.
-const CLEARANCE: f64 = 0.499;
+/// The share of the clearance that connections must keep: isolines are rounded, too.
+const KEPT: f64 = 0.998;
 
 impl Isograph {
-    /// Edges between adjacent layers; and within a layer where the graph would fall apart without.
-    pub(super) fn new(lines: Vec<Isoline>, walls: &Walls, tool_m: f64) -> Self {
-        let mut graph = Self::without_edges(lines, tool_m);
+    /// Edges between adjacent layers; and others where the graph would fall apart without.
+    pub(super) fn new(lines: Vec<Isoline>, walls: &Walls, tool_m: f64, clearance_m: f64) -> Self {
+        let mut graph = Self::without_edges(lines, tool_m, KEPT * clearance_m);
         let index = StationIndex::new(&graph);
         graph.add_sound(index.stitches(&graph), walls);
         graph.join_pieces(index.facing(&graph), walls);
+        graph.bridge_pieces(&index, walls);
         graph
     }
 
-    fn without_edges(lines: Vec<Isoline>, tool_m: f64) -> Self {
+    fn without_edges(lines: Vec<Isoline>, tool_m: f64, clearance_m: f64) -> Self {
         let mut first_station = Vec::with_capacity(lines.len());
         let mut line_of = Vec::new();
         for (line, isoline) in lines.iter().enumerate() {
             first_station.push(line_of.len() as StationId);
             line_of.resize(line_of.len() + isoline.stations.len(), line as LineId);
         }
-        Self { lines, edges: Vec::new(), tool_m, first_station, line_of }
+        Self { lines, edges: Vec::new(), tool_m, clearance_m, first_station, line_of }
     }
 
     /// Edges between facing lines of one layer, but only those that join pieces of the graph.
@@ -95,6 +100,26 @@ impl Isograph {
         self.add_sound(apart, walls);
     }
 
+    /// Joins what is still in pieces by the shortest straight lines that keep off the walls.
+    fn bridge_pieces(&mut self, index: &StationIndex, walls: &Walls) {
+        let pieces = self.pieces();
+        if pieces.iter().all(|&piece| piece == pieces[0]) {
+            return;
+        }
+        let mut joined = DisjointSets::new(self.lines.len());
+        self.edges.iter().for_each(|edge| joined.unite(edge.lines[0], edge.lines[1]));
+        for ends in index.bridges(self, &pieces) {
+            let lines = ends.map(|end| self.line_of(end));
+            let way = Segment::new(self.point(ends[0]), self.point(ends[1]));
+            let is_new = joined.find(lines[0]) != joined.find(lines[1]);
+            if is_new && walls.keeps_clear(way, self.clearance_m) {
+                joined.unite(lines[0], lines[1]);
+                let weight_m = 2.0 * way.length();
+                self.edges.push(Edge { lines, tuples: Vec::new(), hops: 1, weight_m, bridge: Some(ends) });
+            }
+        }
+    }
+
     fn add_sound(&mut self, mut tuples: Vec<Tuple>, walls: &Walls) {
         tuples.retain(|&tuple| self.is_sound(tuple, walls, 1));
         tuples.into_iter().for_each(|tuple| self.add(tuple, 1, 0.0));
@@ -105,7 +130,7 @@ impl Isograph {
         let lines = tuple.steps.map(|step| self.line_of(step));
         let known = self.edges.iter().position(|edge| edge.lines == lines);
         let index = known.unwrap_or_else(|| {
-            self.edges.push(Edge { lines, tuples: Vec::new(), hops, weight_m });
+            self.edges.push(Edge { lines, tuples: Vec::new(), hops, weight_m, bridge: None });
             self.edges.len() - 1
         });
         self.edges[index].tuples.push(tuple);
@@ -117,7 +142,7 @@ impl Isograph {
         let longest_m = (f64::from(hops) + REACH - 1.0) * self.tool_m;
         one.length().max(other.length()) <= longest_m
             && one.distance(&other) > 0.0
-            && [one, other].iter().all(|line| walls.keeps_clear(*line, CLEARANCE * self.tool_m))
+            && [one, other].iter().all(|line| walls.keeps_clear(*line, self.clearance_m))
     }
 
     /// The pairs of stations that a stitch joins.
@@ -168,6 +193,16 @@ impl Isograph {
         }
     }
 
+    /// The points of a way over stations, corners included.
+    pub(super) fn points_along(&self, way: &[StationId]) -> Vec<Point> {
+        let mut points: Vec<Point> = way.first().map(|&first| self.point(first)).into_iter().collect();
+        for pair in way.windows(2) {
+            points.extend(self.corners_between(pair[0], pair[1]));
+            points.push(self.point(pair[1]));
+        }
+        points
+    }
+
     /// Length of the step to this station.
     pub(super) fn step_m(&self, station: StationId) -> f64 {
         let (line, place) = self.place_on_line(station);
@@ -184,15 +219,6 @@ impl Isograph {
     pub(super) fn after(&self, station: StationId) -> StationId {
         let stations = self.stations(self.line_of(station));
         if station + 1 == stations.end { stations.start } else { station + 1 }
-    }
-
-    /// The edges at each line.
-    pub(super) fn edges_of_lines(&self) -> Vec<Vec<usize>> {
-        let mut at = vec![Vec::new(); self.lines.len()];
-        for (index, edge) in self.edges.iter().enumerate() {
-            edge.lines.iter().for_each(|&line| at[line as usize].push(index));
-        }
-        at
     }
 
     /// Per line, the number of its connected piece.

@@ -31,24 +31,25 @@ pub(super) struct Station {
 const SAMPLES_PER_TOOL: f64 = 4.0;
 /// A line of fewer stations cannot be stitched to others on both sides.
 const STATIONS_MIN: usize = 4;
+/// The shortest line, in tool widths.
+pub(super) const LENGTH_MIN: f64 = STATIONS_MIN as f64 - 0.5;
 
 /// The paper's isolines: marching squares at l, 2 l, …, stations in place of corners.
-pub(super) fn of_field(walls: &Walls, tool_m: f64) -> Vec<Isoline> {
+/// A body that is larger than that keeps the first line as far off as it needs.
+pub(super) fn of_field(walls: &Walls, tool_m: f64, clearance_m: f64) -> Vec<Isoline> {
     let field = DistanceField::new(walls, tool_m / SAMPLES_PER_TOOL);
-    let layers = (field.deepest_m() / tool_m).floor() as u32;
-    let lines = (0..layers).flat_map(|layer| {
-        let rings = contours(&field, f64::from(layer + 1) * tool_m);
+    let first_m = tool_m.max(clearance_m);
+    let layers = ((field.deepest_m() - first_m) / tool_m).floor() + 1.0;
+    let lines = (0..layers.max(0.0) as u32).flat_map(|layer| {
+        let rings = contours(&field, first_m + f64::from(layer) * tool_m);
         rings.into_iter().filter_map(move |ring| Isoline::new(layer, &ring, tool_m, false))
     });
     lines.collect()
 }
 
-/// Given lines, layer by layer, the higher ground on their left; corners are kept.
-pub(super) fn of_rings(layers: &[Vec<Vec<Point>>], tool_m: f64) -> Vec<Isoline> {
-    let lines = (0_u32..).zip(layers).flat_map(|(layer, rings)| {
-        rings.iter().filter_map(move |ring| Isoline::new(layer, ring, tool_m, true))
-    });
-    lines.collect()
+/// Given lines with their layers, the higher ground on their left; corners are kept.
+pub(super) fn of_rings(rings: impl Iterator<Item = (u32, Vec<Point>)>, tool_m: f64) -> Vec<Isoline> {
+    rings.filter_map(|(layer, ring)| Isoline::new(layer, &ring, tool_m, true)).collect()
 }
 
 impl Isoline {

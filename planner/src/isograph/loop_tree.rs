@@ -64,7 +64,8 @@ impl LoopTree {
 
     /// The tree without a line; nothing when that is its root or it would fall apart.
     pub(super) fn without(&self, graph: &Isograph, line: LineId) -> Option<Self> {
-        let place = self.loops.iter().position(|part| part.is_whole(line)).filter(|&place| place != self.root)?;
+        let place =
+            self.loops.iter().position(|part| part.is_whole(line)).filter(|&place| place != self.root)?;
         let mut rest = self.clone();
         rest.loops.remove(place);
         rest.root -= usize::from(place < self.root);
@@ -86,7 +87,10 @@ impl LoopTree {
 pub(super) fn cheapest_edge(graph: &Isograph, one: &Loop, other: &Loop) -> Option<(f64, usize)> {
     let inside = Membership::new(graph, one, other);
     let edges = edges_between(graph, one, other);
-    let counted = edges.map(|edge| (edge.weight_m, edge.tuples.iter().filter(|&&t| inside.spans(t)).count()));
+    let counted = edges.map(|edge| {
+        let bridges = edge.bridge.filter(|&steps| inside.spans(Tuple { steps, faces: false })).iter().count();
+        (edge.weight_m, bridges + edge.tuples.iter().filter(|&&tuple| inside.spans(tuple)).count())
+    });
     counted.filter(|edge| edge.1 > 0).min_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)))
 }
 

@@ -38,19 +38,15 @@ impl ClosedPath {
         let place = ring.iter().position(|&station| station == arrive).expect("the way ends on the ring");
         detour.extend(ring[place + 1..].iter().chain(&ring[..place]));
         detour.extend(way.iter().rev());
-        let at = self.stations.iter().position(|&station| station == leave).expect("the way begins on the path");
+        let at =
+            self.stations.iter().position(|&station| station == leave).expect("the way begins on the path");
         self.stations.splice(at..=at, detour);
     }
 
     /// The points, the first repeated at the end.
     pub(super) fn points(&self, graph: &Isograph) -> Vec<Point> {
-        let mut points = Vec::with_capacity(self.stations.len() + 1);
-        for (index, &station) in self.stations.iter().enumerate() {
-            points.push(graph.point(station));
-            points.extend(graph.corners_between(station, self.stations[(index + 1) % self.stations.len()]));
-        }
-        points.extend(points.first().copied());
-        points
+        let closed: Vec<StationId> = self.stations.iter().chain(self.stations.first()).copied().collect();
+        graph.points_along(&closed)
     }
 
     pub(super) fn length_m(&self, graph: &Isograph) -> f64 {

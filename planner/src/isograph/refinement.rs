@@ -105,7 +105,8 @@ impl<'a> Refinement<'a> {
     /// A line that cannot be split goes to the cheapest of its trees, as far as the others hang together without.
     fn leave_to_one(&mut self, line: LineId) {
         let costs_m = self.costs_m();
-        let mut holders: Vec<usize> = (0..self.trees.len()).filter(|&tree| has(&self.trees[tree], line)).collect();
+        let mut holders: Vec<usize> =
+            (0..self.trees.len()).filter(|&tree| has(&self.trees[tree], line)).collect();
         holders.sort_by(|&one, &other| costs_m[other].total_cmp(&costs_m[one]));
         let mut left = holders.len();
         for tree in holders {

@@ -20,6 +20,8 @@ pub enum Selector {
     /// Minimum curvature stitching: the one after which the path turns least more than before.
     #[default]
     Mcs,
+    /// Equation 3 as it is printed, with the largest difference: for comparison alone.
+    McsAsPrinted,
 }
 
 /// A selector at work.
@@ -47,8 +49,9 @@ impl Selection {
             Selector::Cfs => {
                 open.iter().copied().min_by_key(|tuple| entry.map_or(0, |entry| beyond(graph, entry, *tuple)))
             }
-            Selector::Mcs => {
-                let priced = open.iter().map(|&tuple| (weave.added_turning_rad(tuple), tuple));
+            Selector::Mcs | Selector::McsAsPrinted => {
+                let sign = if self.selector == Selector::Mcs { 1.0 } else { -1.0 };
+                let priced = open.iter().map(|&tuple| (sign * weave.added_turning_rad(tuple), tuple));
                 priced.min_by(|one, other| one.0.total_cmp(&other.0)).map(|(_, tuple)| tuple)
             }
         }

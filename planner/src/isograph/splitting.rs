@@ -66,7 +66,8 @@ impl<'a> Splitting<'a> {
         costs_m: &[f64],
         lines: [LineId; 2],
     ) -> Option<Self> {
-        let holds = |tree: &LoopTree| tree.loops.iter().any(|part| lines.iter().any(|&line| part.is_whole(line)));
+        let holds =
+            |tree: &LoopTree| tree.loops.iter().any(|part| lines.iter().any(|&line| part.is_whole(line)));
         let sharers: Vec<usize> = (0..trees.len()).filter(|&tree| holds(&trees[tree])).collect();
         let cuts = cuts(graph, lines);
         if sharers.len() < 2 || cuts.len() < sharers.len() * STATIONS_MIN {
@@ -160,7 +161,8 @@ impl<'a> Splitting<'a> {
 
     /// The cost that all robots come to when both lines are shared out.
     fn level_m(&self) -> f64 {
-        let (mut low_m, mut high_m) = (0.0, self.total_m + self.shares.iter().map(|share| share.cost_m).sum::<f64>());
+        let (mut low_m, mut high_m) =
+            (0.0, self.total_m + self.shares.iter().map(|share| share.cost_m).sum::<f64>());
         for _ in 0..40 {
             let middle_m = f64::midpoint(low_m, high_m);
             let filled_m: f64 = (0..self.shares.len()).map(|share| self.piece_m(share, middle_m)).sum();
@@ -175,16 +177,18 @@ impl<'a> Splitting<'a> {
         for (index, &share) in order.iter().enumerate() {
             let (begin, end) = (begins[index], begins[(index + 1) % begins.len()]);
             let length_m = self.length_m(begin, end)?;
-            let ways_m: f64 =
-                self.shares[share].groups.iter().map(|gaps| self.way_m(gaps, begin, end)).sum();
+            let ways_m: f64 = self.shares[share].groups.iter().map(|gaps| self.way_m(gaps, begin, end)).sum();
             costs_m.push(self.shares[share].cost_m + length_m + ways_m);
         }
         // The pieces go around once.
         let around = (0..begins.len()).map(|index| {
             (begins[(index + 1) % begins.len()] + self.cuts.len() - begins[index]) % self.cuts.len()
         });
-        (around.sum::<usize>() == self.cuts.len())
-            .then(|| Division { order, begins, norm_m: norm_m(&costs_m) })
+        (around.sum::<usize>() == self.cuts.len()).then(|| Division {
+            order,
+            begins,
+            norm_m: norm_m(&costs_m),
+        })
     }
 
     /// Length of the closed line between two cuts.
@@ -200,7 +204,8 @@ impl<'a> Splitting<'a> {
         }
         let wrapped_m = if end < begin { self.total_m } else { 0.0 };
         let removed_m: f64 = last.steps.iter().map(|&step| graph.step_m(step)).sum();
-        let joined_m = distance_m(graph, first.steps) + distance_m(graph, last.steps.map(|step| graph.before(step)));
+        let joined_m =
+            distance_m(graph, first.steps) + distance_m(graph, last.steps.map(|step| graph.before(step)));
         Some(self.along_m[end] + wrapped_m - self.along_m[begin] - removed_m + joined_m)
     }
 
@@ -227,7 +232,10 @@ impl<'a> Splitting<'a> {
                 for moved in [best.begins[index] + stride, best.begins[index] + count - stride % count] {
                     let mut begins = best.begins.clone();
                     begins[index] = moved % count;
-                    found = self.priced(best.order.clone(), begins).filter(|new| new.norm_m < best.norm_m - 1e-9).or(found);
+                    found = self
+                        .priced(best.order.clone(), begins)
+                        .filter(|new| new.norm_m < best.norm_m - 1e-9)
+                        .or(found);
                 }
             }
             match found {

@@ -1,12 +1,18 @@
 //! Stations by place, and which of them are each other's nearest: the connecting sets of the isograph.
 
-use super::graph::{Isograph, REACH, StationId, Tuple};
+use super::graph::{Isograph, LineId, REACH, StationId, Tuple};
 use rstar::{RTree, primitives::GeomWithData};
 
 /// Stations by place; and of each, the nearest on the layer below, on the layer above, and on another line of its own.
 pub(super) struct StationIndex {
+    tree: RTree<Entry>,
     nearest: Vec<[Option<StationId>; 3]>,
 }
+
+type Entry = GeomWithData<[f64; 2], StationId>;
+
+/// Stations farther apart than this many tool widths are not joined by a bridge.
+const BRIDGE_REACH: f64 = 12.0;
 
 const BELOW: usize = 0;
 const ABOVE: usize = 1;
@@ -16,8 +22,9 @@ impl StationIndex {
     pub(super) fn new(graph: &Isograph) -> Self {
         let all = 0..graph.station_count() as StationId;
         let entries = all.clone().map(|station| GeomWithData::new(graph.point(station).into(), station));
-        let tree: RTree<GeomWithData<[f64; 2], StationId>> = RTree::bulk_load(entries.collect());
-        Self { nearest: all.map(|station| nearest(graph, &tree, station)).collect() }
+        let tree = RTree::bulk_load(entries.collect());
+        let nearest = all.map(|station| nearest(graph, &tree, station)).collect();
+        Self { tree, nearest }
     }
 
     /// Pairs of stations on adjacent layers that are nearest to each other (equation 2). `O(u → v)` of equation 1 is
@@ -41,13 +48,24 @@ impl StationIndex {
         let pairs = (0..graph.station_count() as StationId).filter_map(mutual);
         pairs.map(|steps| Tuple { steps, faces: true }.sorted(graph)).collect()
     }
+
+    /// Pairs of stations in different pieces of the graph, the nearest pairs first.
+    pub(super) fn bridges(&self, graph: &Isograph, pieces: &[LineId]) -> Vec<[StationId; 2]> {
+        let piece = |station: StationId| pieces[graph.line_of(station) as usize];
+        let reach2 = (BRIDGE_REACH * graph.tool_m).powi(2);
+        let mut found: Vec<(f64, [StationId; 2])> = Vec::new();
+        for from in 0..graph.station_count() as StationId {
+            let place = graph.point(from);
+            let near = self.tree.locate_within_distance(place.into(), reach2);
+            let others = near.map(|entry| entry.data).filter(|&to| from < to && piece(from) != piece(to));
+            found.extend(others.map(|to| ((graph.point(to) - place).norm(), [from, to])));
+        }
+        found.sort_by(|one, other| one.0.total_cmp(&other.0).then(one.1.cmp(&other.1)));
+        found.into_iter().map(|(_, ends)| ends).collect()
+    }
 }
 
-fn nearest(
-    graph: &Isograph,
-    tree: &RTree<GeomWithData<[f64; 2], StationId>>,
-    station: StationId,
-) -> [Option<StationId>; 3] {
+fn nearest(graph: &Isograph, tree: &RTree<Entry>, station: StationId) -> [Option<StationId>; 3] {
     let own = graph.line_of(station);
     let layer = graph.lines[own as usize].layer;
     let reach2 = (REACH * graph.tool_m).powi(2);

@@ -55,6 +55,12 @@ impl CoverProblem {
         cover.parents.iter().map(|tree| self.cost_m(tree)).fold(0.0, f64::max)
     }
 
+    /// Weight of the vertices that no tree has.
+    pub(super) fn left_out_m(&self, cover: &Cover) -> f64 {
+        let left = (0..self.len()).filter(|&vertex| cover.parents.iter().all(|tree| tree[vertex].is_none()));
+        left.map(|vertex| self.weights_m[vertex]).sum()
+    }
+
     /// No cover is cheaper: the work shared evenly, and the way to the farthest vertex.
     pub(super) fn lower_bound_m(&self) -> f64 {
         let shared_m = self.weights_m.iter().sum::<f64>() / self.roots.len() as f64;

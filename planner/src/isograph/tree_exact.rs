@@ -12,9 +12,9 @@ pub(super) const VERTICES_MAX: usize = 16;
 
 type Set = u32;
 
-/// The optimum: `warm` itself where nothing is cheaper. Nothing when there are too many vertices.
+/// The optimum: `warm` itself where nothing is cheaper. Nothing when there are too many vertices, or no tree gets to some.
 pub(super) fn optimum(problem: &CoverProblem, warm: &Cover) -> Option<Cover> {
-    if problem.len() > VERTICES_MAX {
+    if problem.len() > VERTICES_MAX || problem.left_out_m(warm) > 0.0 {
         return None;
     }
     let limit_m = problem.makespan_m(warm) - 1e-9;

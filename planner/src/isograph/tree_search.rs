@@ -18,7 +18,8 @@ const TEMPERATURE: [f64; 2] = [0.05, 0.0005];
 
 /// The best cover of several searches.
 pub(super) fn search(problem: &CoverProblem, effort: u32, seed: u64) -> Cover {
-    let runs = (0..STARTS).map(|start| Search::new(problem, seed.wrapping_mul(STARTS).wrapping_add(start)).run(effort));
+    let runs = (0..STARTS)
+        .map(|start| Search::new(problem, seed.wrapping_mul(STARTS).wrapping_add(start)).run(effort));
     let best = runs.min_by(|one, other| problem.makespan_m(one).total_cmp(&problem.makespan_m(other)));
     best.expect("there is at least one start")
 }
@@ -117,7 +118,8 @@ impl<'a> Search<'a> {
         let to = (from + self.rng.random_range(1..self.trees.len())) % self.trees.len();
         let root = self.problem.roots[from];
         let tree = &self.trees[from];
-        let below: Vec<Vertex> = (0..tree.len()).filter(|&vertex| vertex != root && tree[vertex].is_some()).collect();
+        let below: Vec<Vertex> =
+            (0..tree.len()).filter(|&vertex| vertex != root && tree[vertex].is_some()).collect();
         (!below.is_empty()).then(|| (from, to, below[self.rng.random_range(0..below.len())]))
     }
 
@@ -184,7 +186,9 @@ impl<'a> Search<'a> {
                 }
             }
             let leaf = |&vertex: &Vertex| {
-                tree[vertex].is_some_and(|parent| parent != vertex) && children[vertex] == 0 && elsewhere(vertex)
+                tree[vertex].is_some_and(|parent| parent != vertex)
+                    && children[vertex] == 0
+                    && elsewhere(vertex)
             };
             let weights = &self.problem.weights_m;
             let heaviest = (0..tree.len()).filter(leaf).max_by(|&a, &b| weights[a].total_cmp(&weights[b]));

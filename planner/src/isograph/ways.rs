@@ -17,11 +17,11 @@ const STEPS_PER_M: f64 = 1e6;
 impl<'a> Ways<'a> {
     pub(super) fn new(graph: &'a Isograph) -> Self {
         let mut across = vec![Vec::new(); graph.station_count()];
-        for &tuple in graph.edges.iter().flat_map(|edge| &edge.tuples) {
-            for [one, other] in graph.connections(tuple) {
-                across[one as usize].push(other);
-                across[other as usize].push(one);
-            }
+        let stitches = graph.edges.iter().flat_map(|edge| &edge.tuples);
+        let connections = stitches.flat_map(|&tuple| graph.connections(tuple));
+        for [one, other] in connections.chain(graph.edges.iter().filter_map(|edge| edge.bridge)) {
+            across[one as usize].push(other);
+            across[other as usize].push(one);
         }
         Self { graph, across }
     }

@@ -65,7 +65,8 @@ impl<'a> Weave<'a> {
 
     fn turning_rad(&self, station: StationId, [one, other]: [StationId; 2]) -> f64 {
         let here = self.graph.point(station);
-        let (came, goes) = (here - self.first_towards(station, one), self.first_towards(station, other) - here);
+        let (came, goes) =
+            (here - self.first_towards(station, one), self.first_towards(station, other) - here);
         turning_rad(came, goes)
     }
 
@@ -98,7 +99,8 @@ struct StitchedTies<'a, 'b> {
 impl StitchedTies<'_, '_> {
     fn ties(&mut self, station: StationId) -> [StationId; 2] {
         let graph = self.weave.graph;
-        let step = self.tuple.steps.into_iter().find(|&step| step == station || graph.before(step) == station);
+        let step =
+            self.tuple.steps.into_iter().find(|&step| step == station || graph.before(step) == station);
         let step = step.expect("only ends of the stitch are asked for");
         let old = if step == station { graph.before(step) } else { step };
         let new = other_end(&self.connections, station);
@@ -107,7 +109,8 @@ impl StitchedTies<'_, '_> {
 }
 
 fn other_end(connections: &[[StationId; 2]; 2], station: StationId) -> StationId {
-    let [a, b] = *connections.iter().find(|pair| pair.contains(&station)).expect("it is an end of the stitch");
+    let [a, b] =
+        *connections.iter().find(|pair| pair.contains(&station)).expect("it is an end of the stitch");
     if a == station { b } else { a }
 }
 

@@ -224,9 +224,7 @@ impl Sharing<'_> {
             let beside = self.neighbours.of(place).iter().filter(|&&beside| is_other[beside as usize]);
             beside.flat_map(move |&beside| super::joining::exchanges(self.web, place, beside))
         });
-        let near = |exchange: &Exchange| {
-            self.neighbours.of(exchange.one.1).contains(&exchange.other.1)
-        };
+        let near = |exchange: &Exchange| self.neighbours.of(exchange.one.1).contains(&exchange.other.1);
         pairs
             .filter(near)
             .map(|exchange| (self.web.cost(exchange).value_m(self.web.width_m), exchange))
@@ -260,7 +258,8 @@ impl Sharing<'_> {
                     continue;
                 }
                 let inner_m = ruler.between_m(first, last) + closing_m;
-                let outer_m = ruler.length_m() - ruler.between_m(before_first, after_last as usize) + passing_m;
+                let outer_m =
+                    ruler.length_m() - ruler.between_m(before_first, after_last as usize) + passing_m;
                 let cutting = Cutting { ruler, first, last, inner_m, outer_m };
                 let Some((worst_m, inner_robot, outer_robot)) = judge(&cutting) else { continue };
                 if best.is_some_and(|best| worst_m >= best.score_m) {
@@ -269,8 +268,7 @@ impl Sharing<'_> {
                 let turn_m = TURN_WORTH * self.web.width_m * self.web.cost(exchange).turn_rad;
                 let score_m = worst_m + turn_m.max(0.0);
                 if best.is_none_or(|best| score_m < best.score_m) && self.web.allows(exchange, self.walls) {
-                    best =
-                        Some(Chord { first, last, inner_m, outer_m, score_m, inner_robot, outer_robot });
+                    best = Some(Chord { first, last, inner_m, outer_m, score_m, inner_robot, outer_robot });
                 }
             }
         }
@@ -356,8 +354,11 @@ impl Ruler {
 
     fn outside_m(&self, slot: usize, first: usize, last: usize) -> f64 {
         let before = if first > 0 { self.inside_m(slot, 0, first - 1) } else { f64::INFINITY };
-        let after =
-            if last + 1 < self.places { self.inside_m(slot, last + 1, self.places - 1) } else { f64::INFINITY };
+        let after = if last + 1 < self.places {
+            self.inside_m(slot, last + 1, self.places - 1)
+        } else {
+            f64::INFINITY
+        };
         before.min(after)
     }
 }

@@ -99,8 +99,7 @@ impl Smoothing<'_> {
     /// Puts a shortcut in, and takes it out again when too much ground is lost.
     fn try_out(&mut self, line: &mut Vec<Point>, shortcut: &Shortcut) -> bool {
         let Shortcut { from, to, .. } = *shortcut;
-        let new: Vec<Point> =
-            [line[from]].into_iter().chain(shortcut.corner).chain([line[to]]).collect();
+        let new: Vec<Point> = [line[from]].into_iter().chain(shortcut.corner).chain([line[to]]).collect();
         if !new.windows(2).all(|pair| self.walls.is_clear(pair[0], pair[1])) {
             return false;
         }
@@ -140,6 +139,7 @@ fn corner(line: &[Point], from: usize, to: usize, reach_m: f64) -> Option<Point>
     }
     let apart = line[to] - line[from];
     let (ahead, behind) = (apart.perp(&leaving) / cross, heading.perp(&apart) / cross);
-    let fits = ahead > 0.0 && behind > 0.0 && ahead * heading.norm() < reach_m && behind * leaving.norm() < reach_m;
+    let fits =
+        ahead > 0.0 && behind > 0.0 && ahead * heading.norm() < reach_m && behind * leaving.norm() < reach_m;
     fits.then(|| line[from] + heading * ahead)
 }

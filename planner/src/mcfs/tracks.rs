@@ -19,9 +19,9 @@ const DEPTH_MAX: usize = 10_000;
 
 /// A closed line; its first corner is not repeated.
 #[derive(Debug, Clone)]
-pub(super) struct Track {
-    pub(super) depth: usize,
-    pub(super) corners: Vec<Point>,
+pub(crate) struct Track {
+    pub(crate) depth: usize,
+    pub(crate) corners: Vec<Point>,
 }
 
 impl Track {
@@ -32,7 +32,7 @@ impl Track {
 }
 
 /// All tracks, from the walls inwards.
-pub(super) fn tracks(instance: &PolygonInstance) -> Vec<Track> {
+pub(crate) fn tracks(instance: &PolygonInstance) -> Vec<Track> {
     let mut tracks = Vec::new();
     for depth in 0..DEPTH_MAX {
         let distance_m = first_distance_m(instance) + depth as f64 * instance.tool_width_m;
