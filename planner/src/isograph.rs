@@ -52,7 +52,7 @@ mod weave;
 
 pub use selector::Selector;
 
-use crate::mcfs::{PolygonError, PolygonInstance, tracks::tracks};
+use crate::mcfs::{PolygonError, PolygonInstance, numbered_tracks};
 use graph::{Isograph, StationId};
 use isolines::Isoline;
 use loop_tree::LoopTree;
@@ -204,8 +204,7 @@ fn isolines_of(instance: &PolygonInstance, walls: &Walls, kind: Isolines) -> Vec
     match kind {
         Isolines::MarchingSquares => isolines::of_field(walls, instance.tool_width_m, instance.clearance_m()),
         Isolines::Exact => {
-            let given = tracks(instance).into_iter().map(|track| (track.depth as u32, track.corners));
-            isolines::of_rings(given, instance.tool_width_m)
+            isolines::of_rings(numbered_tracks(instance).into_iter(), instance.tool_width_m)
         }
     }
 }

@@ -25,7 +25,7 @@ pub(super) fn join(web: &mut Web, walls: &Walls) {
         let reach_m = reach * web.width_m;
         let mut queue = BinaryHeap::new();
         for place in 0..web.len() as u32 {
-            offer(web, &mut lines, place, reach_m, &mut queue);
+            offer(web, &mut lines, place, reach_m, &mut queue, |beside| beside > place);
         }
         while let Some(Reverse((cost, exchange))) = queue.pop() {
             if !is_open(web, &mut lines, exchange) {
@@ -38,7 +38,7 @@ pub(super) fn join(web: &mut Web, walls: &Walls) {
                 web.apply(exchange);
                 lines.unite(exchange.one.0, exchange.other.0);
                 for place in [exchange.one.0, exchange.one.1, exchange.other.0, exchange.other.1] {
-                    offer(web, &mut lines, place, reach_m, &mut queue);
+                    offer(web, &mut lines, place, reach_m, &mut queue, |_| true);
                 }
             }
         }
@@ -48,18 +48,35 @@ pub(super) fn join(web: &mut Web, walls: &Walls) {
 type Queue = BinaryHeap<Reverse<(i64, Exchange)>>;
 
 /// Adds every exchange at a place to the queue.
-fn offer(web: &Web, lines: &mut DisjointSets, place: u32, reach_m: f64, queue: &mut Queue) {
+fn offer(
+    web: &Web,
+    lines: &mut DisjointSets,
+    place: u32,
+    reach_m: f64,
+    queue: &mut Queue,
+    is_asked: impl Fn(u32) -> bool,
+) {
     let root = lines.find(place);
-    for beside in web.beside(place, reach_m) {
+    for beside in web.beside(place, reach_m).filter(|&beside| is_asked(beside)) {
         if lines.find(beside) == root {
             continue;
         }
         for exchange in exchanges(web, place, beside) {
-            if web.distance_m(exchange.one.1, exchange.other.1) <= 1.5 * reach_m {
+            if may_pay(web, exchange, reach_m) {
                 queue.push(Reverse((steps(web, exchange), exchange)));
             }
         }
     }
+}
+
+/// Whether an exchange is worth a closer look: its second link may be longer than the first only at an earlier joint.
+pub(super) fn may_pay(web: &Web, exchange: Exchange, reach_m: f64) -> bool {
+    let Exchange { one: (a, a2), other: (b, b2) } = exchange;
+    let both_short = web.is_short(a, a2) && web.is_short(b, b2);
+    let most_m = if both_short { 0.75 * reach_m } else { 1.5 * reach_m };
+    let first_m = web.distance_m(a, b);
+    let second_m = web.distance_m(a2, b2);
+    second_m <= most_m && (!both_short || first_m <= most_m) && web.is_plain(exchange)
 }
 
 /// The four exchanges that link two places.

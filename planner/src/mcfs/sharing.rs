@@ -31,6 +31,8 @@ pub(super) struct Sharing<'a> {
     pub(super) neighbours: &'a Neighbours,
     /// Per robot; `None` when it reaches no place.
     pub(super) drives: &'a [Option<Drives>],
+    /// Per robot: what smoothing will add to its way (mostly below 0), metres.
+    pub(super) corrections_m: Vec<f64>,
 }
 
 /// Where a line is cut in two: it goes on from position `first` right after position `last`.
@@ -46,18 +48,17 @@ struct Chord {
 }
 
 impl Sharing<'_> {
-    /// Cuts one line among some robots.
-    pub(super) fn share_out(&mut self, line: Vec<u32>, robots: &[usize], rounds: usize) -> Vec<Share> {
-        let mut shares = self.peel(line, robots.to_vec());
+    /// Evens out until nobody gains, or for so many rounds.
+    pub(super) fn settle(&mut self, shares: &mut [Share], rounds: usize) {
         for _ in 0..rounds {
-            if !self.even_out(&mut shares) {
+            if !self.even_out(shares) {
                 break;
             }
         }
-        shares
     }
 
-    fn peel(&mut self, line: Vec<u32>, mut robots: Vec<usize>) -> Vec<Share> {
+    /// Cuts one share after the other off a line.
+    pub(super) fn peel(&mut self, line: Vec<u32>, mut robots: Vec<usize>) -> Vec<Share> {
         let mut shares = Vec::new();
         let mut rest = line;
         while robots.len() > 1 {
@@ -209,10 +210,10 @@ impl Sharing<'_> {
         let line = &share.line;
         let next = line.iter().cycle().skip(1);
         let line_m: f64 = line.iter().zip(next).map(|(&a, &b)| self.web.distance_m(a, b)).sum();
-        line_m + 2.0 * self.drive_m(share.robot, line)
+        line_m + 2.0 * self.drive_m(share.robot, line) + self.corrections_m[share.robot]
     }
 
-    fn drive_m(&self, robot: usize, line: &[u32]) -> f64 {
+    pub(super) fn drive_m(&self, robot: usize, line: &[u32]) -> f64 {
         let Some(drives) = &self.drives[robot] else { return f64::INFINITY };
         line.iter().map(|&place| drives.distance_m[place as usize]).fold(f64::INFINITY, f64::min)
     }
@@ -224,9 +225,9 @@ impl Sharing<'_> {
             let beside = self.neighbours.of(place).iter().filter(|&&beside| is_other[beside as usize]);
             beside.flat_map(move |&beside| super::joining::exchanges(self.web, place, beside))
         });
-        let near = |exchange: &Exchange| self.neighbours.of(exchange.one.1).contains(&exchange.other.1);
+        let reach_m = 1.6 * self.web.width_m;
         pairs
-            .filter(near)
+            .filter(|exchange| super::joining::may_pay(self.web, *exchange, reach_m))
             .map(|exchange| (self.web.cost(exchange).value_m(self.web.width_m), exchange))
             .filter(|(_, exchange)| self.web.allows(*exchange, self.walls))
             .min_by(|(a, x), (b, y)| a.total_cmp(b).then(x.cmp(y)))
@@ -258,8 +259,7 @@ impl Sharing<'_> {
                     continue;
                 }
                 let inner_m = ruler.between_m(first, last) + closing_m;
-                let outer_m =
-                    ruler.length_m() - ruler.between_m(before_first, after_last as usize) + passing_m;
+                let outer_m = ruler.length_m() - ruler.between_m(before_first, after_last as usize) + passing_m;
                 let cutting = Cutting { ruler, first, last, inner_m, outer_m };
                 let Some((worst_m, inner_robot, outer_robot)) = judge(&cutting) else { continue };
                 if best.is_some_and(|best| worst_m >= best.score_m) {
@@ -268,7 +268,8 @@ impl Sharing<'_> {
                 let turn_m = TURN_WORTH * self.web.width_m * self.web.cost(exchange).turn_rad;
                 let score_m = worst_m + turn_m.max(0.0);
                 if best.is_none_or(|best| score_m < best.score_m) && self.web.allows(exchange, self.walls) {
-                    best = Some(Chord { first, last, inner_m, outer_m, score_m, inner_robot, outer_robot });
+                    best =
+                        Some(Chord { first, last, inner_m, outer_m, score_m, inner_robot, outer_robot });
                 }
             }
         }
@@ -300,11 +301,11 @@ struct Cutting<'a> {
 impl Cutting<'_> {
     /// The part within and the drives of a robot there and back, metres.
     fn inner_cost_m(&self, slot: usize) -> f64 {
-        self.inner_m + 2.0 * self.ruler.inside_m(slot, self.first, self.last)
+        self.inner_m + self.ruler.corrections_m[slot] + 2.0 * self.ruler.inside_m(slot, self.first, self.last)
     }
 
     fn outer_cost_m(&self, slot: usize) -> f64 {
-        self.outer_m + 2.0 * self.ruler.outside_m(slot, self.first, self.last)
+        self.outer_m + self.ruler.corrections_m[slot] + 2.0 * self.ruler.outside_m(slot, self.first, self.last)
     }
 }
 
@@ -319,6 +320,7 @@ struct Ruler {
     up_to_m: Vec<f64>,
     /// Per robot: shortest drive to each stretch of 2^level places.
     drives_m: Vec<Vec<Vec<f64>>>,
+    corrections_m: Vec<f64>,
     places: usize,
 }
 
@@ -330,7 +332,8 @@ impl Ruler {
             up_to_m.push(up_to_m[at] + sharing.web.distance_m(place, next));
         }
         let drives_m = robots.iter().map(|&robot| minima(sharing, line, robot)).collect();
-        Self { up_to_m, drives_m, places: line.len() }
+        let corrections_m = robots.iter().map(|&robot| sharing.corrections_m[robot]).collect();
+        Self { up_to_m, drives_m, corrections_m, places: line.len() }
     }
 
     fn length_m(&self) -> f64 {
@@ -354,11 +357,8 @@ impl Ruler {
 
     fn outside_m(&self, slot: usize, first: usize, last: usize) -> f64 {
         let before = if first > 0 { self.inside_m(slot, 0, first - 1) } else { f64::INFINITY };
-        let after = if last + 1 < self.places {
-            self.inside_m(slot, last + 1, self.places - 1)
-        } else {
-            f64::INFINITY
-        };
+        let after =
+            if last + 1 < self.places { self.inside_m(slot, last + 1, self.places - 1) } else { f64::INFINITY };
         before.min(after)
     }
 }

@@ -12,16 +12,18 @@ use terrain::Point;
 
 /// Numbers of points between the ends of the stretches that are tried.
 const STRETCHES: [usize; 8] = [1, 2, 3, 4, 6, 8, 11, 15];
-/// Ground no longer swept is worth so much more than the way that sweeps it.
-const GROUND_WORTH: f64 = 2.0;
 /// The least gain that counts, in widths of the tool.
 const LEAST_GAIN: f64 = 1e-3;
-const SWEEPS: usize = 4;
+/// Share of the area cut off that is surely lost.
+const LIKELY_LOSS: f64 = 0.1;
+const SWEEPS: usize = 3;
 
 pub(super) struct Smoothing<'a> {
     pub(super) swept: &'a mut SweptCounts,
     pub(super) walls: &'a Walls,
     pub(super) width_m: f64,
+    /// How much more ground is worth than the way that sweeps it.
+    pub(super) ground_worth: f64,
 }
 
 impl Smoothing<'_> {
@@ -42,11 +44,7 @@ impl Smoothing<'_> {
         let mut changed = false;
         let mut at = 0;
         while at + 2 < line.len() {
-            let best = STRETCHES
-                .iter()
-                .filter(|&&count| at + count + 1 < line.len())
-                .flat_map(|&count| self.candidates(line, at, at + count + 1))
-                .min_by(|a, b| a.way_gain_m.total_cmp(&b.way_gain_m).reverse());
+            let best = self.best_shortcut(line, at);
             let taken = best.is_some_and(|best| self.try_out(line, &best));
             changed |= taken;
             at += 1;
@@ -54,58 +52,76 @@ impl Smoothing<'_> {
         changed
     }
 
-    /// What may stand in for the points between two: nothing, or one corner.
-    fn candidates(&self, line: &[Point], from: usize, to: usize) -> Vec<Shortcut> {
-        let straight = Shortcut { from, to, corner: None, way_gain_m: 0.0 };
-        let corner = corner(line, from, to, 4.0 * self.width_m);
-        let bend = corner.map(|corner| Shortcut { corner: Some(corner), ..straight });
-        let mut found = Vec::new();
-        for mut shortcut in std::iter::once(straight).chain(bend) {
-            shortcut.way_gain_m = self.cost_m(line, from, to, &line[from + 1..to])
-                - self.cost_m(line, from, to, shortcut.corner.as_slice());
-            if shortcut.way_gain_m > LEAST_GAIN * self.width_m {
-                found.push(shortcut);
+    /// What saves most way and turning when it stands in for the points after one: nothing, or one corner.
+    fn best_shortcut(&self, line: &[Point], from: usize) -> Option<Shortcut> {
+        let turn_m = TURN_WORTH * self.width_m;
+        let mut best: Option<Shortcut> = None;
+        // Way and turning of the points so far, up to and with the turn at the last of them.
+        let mut old_m = turn_at(line, from) * turn_m;
+        let mut tried = STRETCHES.iter().peekable();
+        for to in from + 1..line.len() {
+            old_m += (line[to] - line[to - 1]).norm() + turn_at(line, to) * turn_m;
+            let Some(&&count) = tried.peek() else { break };
+            if to != from + count + 1 {
+                continue;
+            }
+            tried.next();
+            let straight = Shortcut { from, to, corner: None, way_gain_m: 0.0, promise_m: 0.0 };
+            let bend = corner(line, from, to, 4.0 * self.width_m)
+                .map(|corner| Shortcut { corner: Some(corner), ..straight });
+            for shortcut in std::iter::once(straight).chain(bend) {
+                let way_gain_m = old_m - self.new_cost_m(line, &shortcut, turn_m);
+                let promise_m = way_gain_m - self.likely_loss_m(line, &shortcut);
+                let least_m = best.map_or(LEAST_GAIN * self.width_m, |best| best.promise_m);
+                if promise_m > least_m {
+                    best = Some(Shortcut { way_gain_m, promise_m, ..shortcut });
+                }
             }
         }
-        found
+        best
     }
 
-    /// Way and turning from the point before `from` to the point after `to`, by way of `between`.
-    fn cost_m(&self, line: &[Point], from: usize, to: usize, between: &[Point]) -> f64 {
-        let before = from.checked_sub(1).map(|at| line[at]);
-        let after = line.get(to + 1).copied();
-        let points = before
-            .into_iter()
-            .chain([line[from]])
-            .chain(between.iter().copied())
-            .chain([line[to]])
-            .chain(after);
-        let (mut cost_m, mut last, mut heading) = (0.0, None::<Point>, None::<terrain::Vector>);
-        for point in points {
-            if let Some(last) = last {
-                let step = point - last;
-                if step.norm() < 1e-9 {
-                    continue;
-                }
-                let turn = heading.map_or(0.0, |heading| turn_rad(heading, step));
-                cost_m += step.norm() + TURN_WORTH * self.width_m * turn;
-                heading = Some(step);
-            }
-            last = Some(point);
+    /// A cautious guess at the ground that a shortcut loses, in metres of way: part of the area it cuts off.
+    fn likely_loss_m(&self, line: &[Point], shortcut: &Shortcut) -> f64 {
+        let old = line[shortcut.from..=shortcut.to].windows(2).map(|pair| pair[0].coords.perp(&pair[1].coords));
+        let (a, b) = (line[shortcut.from].coords, line[shortcut.to].coords);
+        let new = match shortcut.corner {
+            Some(corner) => b.perp(&corner.coords) + corner.coords.perp(&a),
+            None => b.perp(&a),
+        };
+        let cut_off_m2 = 0.5 * (old.sum::<f64>() + new).abs();
+        LIKELY_LOSS * self.ground_worth * cut_off_m2 / self.width_m
+    }
+
+    fn new_cost_m(&self, line: &[Point], shortcut: &Shortcut, turn_m: f64) -> f64 {
+        let (a, b) = (line[shortcut.from], line[shortcut.to]);
+        let (first, last) = (shortcut.corner.unwrap_or(b), shortcut.corner.unwrap_or(a));
+        let before = shortcut.from.checked_sub(1).map(|at| a - line[at]);
+        let after = line.get(shortcut.to + 1).map(|next| next - b);
+        let turn = |from: Option<terrain::Vector>, to: Option<terrain::Vector>| match (from, to) {
+            (Some(from), Some(to)) => turn_rad(from, to),
+            _ => 0.0,
+        };
+        let mut turns = turn(before, Some(first - a)) + turn(Some(b - last), after);
+        let mut way_m = (first - a).norm();
+        if let Some(corner) = shortcut.corner {
+            turns += turn_rad(corner - a, b - corner);
+            way_m += (b - corner).norm();
         }
-        cost_m
+        way_m + turns * turn_m
     }
 
     /// Puts a shortcut in, and takes it out again when too much ground is lost.
     fn try_out(&mut self, line: &mut Vec<Point>, shortcut: &Shortcut) -> bool {
         let Shortcut { from, to, .. } = *shortcut;
-        let new: Vec<Point> = [line[from]].into_iter().chain(shortcut.corner).chain([line[to]]).collect();
+        let new: Vec<Point> =
+            [line[from]].into_iter().chain(shortcut.corner).chain([line[to]]).collect();
         if !new.windows(2).all(|pair| self.walls.is_clear(pair[0], pair[1])) {
             return false;
         }
         let before_m2 = self.swept.unswept_m2();
         self.exchange(&line[from..=to], &new);
-        let lost_m = (self.swept.unswept_m2() - before_m2) / self.width_m * GROUND_WORTH;
+        let lost_m = (self.swept.unswept_m2() - before_m2) / self.width_m * self.ground_worth;
         if lost_m < shortcut.way_gain_m - LEAST_GAIN * self.width_m {
             line.splice(from + 1..to, shortcut.corner);
             return true;
@@ -127,6 +143,7 @@ struct Shortcut {
     to: usize,
     corner: Option<Point>,
     way_gain_m: f64,
+    promise_m: f64,
 }
 
 /// Where the heading before `from` meets the one after `to`, if that is ahead and near.
@@ -139,7 +156,11 @@ fn corner(line: &[Point], from: usize, to: usize, reach_m: f64) -> Option<Point>
     }
     let apart = line[to] - line[from];
     let (ahead, behind) = (apart.perp(&leaving) / cross, heading.perp(&apart) / cross);
-    let fits =
-        ahead > 0.0 && behind > 0.0 && ahead * heading.norm() < reach_m && behind * leaving.norm() < reach_m;
+    let fits = ahead > 0.0 && behind > 0.0 && ahead * heading.norm() < reach_m && behind * leaving.norm() < reach_m;
     fits.then(|| line[from] + heading * ahead)
+}
+
+/// The size of the turn at a point of a line; none at its ends.
+fn turn_at(line: &[Point], at: usize) -> f64 {
+    if at == 0 || at + 1 >= line.len() { 0.0 } else { turn_rad(line[at] - line[at - 1], line[at + 1] - line[at]) }
 }

@@ -3,7 +3,7 @@
 //! The links always form closed lines. Taking two links out and putting two others in joins two closed lines or parts
 //! one: all that planning does is choosing such pairs.
 
-use super::joint::{Cost, End, joint};
+use super::joint::{Cost, End, joint, turn_rad};
 use super::near::Near;
 use super::tracks::Track;
 use super::walls::Walls;
@@ -13,6 +13,8 @@ use terrain::{Point, Vector};
 const SPACING: f64 = 0.5;
 /// Headings are taken over about so many tool widths.
 const HEADING_OVER: f64 = 0.9;
+/// Links up to so many tool widths are stretches of a track.
+const SHORT: f64 = 0.55;
 
 /// Places and links.
 pub(super) struct Web {
@@ -149,7 +151,7 @@ impl Web {
         let leave = |end: End| End { at: end.at, heading: -end.heading };
         let joint = |from: End, to: End| joint(from, leave(to), self.width_m);
         let put_in = [joint(a_end, b_end), joint(a2_end, b2_end)];
-        let taken_out = [joint(a_end, a2_end), joint(b_end, b2_end)];
+        let taken_out = [self.standing(a_end, a2_end), self.standing(b_end, b2_end)];
         let sum = |costs: &[Cost; 2], of: fn(&Cost) -> f64| costs.iter().map(of).sum::<f64>();
         Cost {
             length_m: sum(&put_in, |cost| cost.length_m) - sum(&taken_out, |cost| cost.length_m),
@@ -157,14 +159,34 @@ impl Web {
         }
     }
 
+    /// What a link that is there costs.
+    fn standing(&self, from: End, to: End) -> Cost {
+        let length_m = (to.at - from.at).norm();
+        if length_m > SHORT * self.width_m {
+            return joint(from, End { at: to.at, heading: -to.heading }, self.width_m);
+        }
+        Cost { length_m, turn_rad: turn_rad(from.heading, -to.heading) }
+    }
+
     /// Whether the two new links keep clear of walls and do not cross each other.
     pub(super) fn allows(&self, exchange: Exchange, walls: &Walls) -> bool {
         let Exchange { one: (a, a2), other: (b, b2) } = exchange;
         let at = |place: u32| self.at[place as usize];
-        let far = b == a2 || b2 == a || a == b || a2 == b2;
-        !far && !cross(at(a), at(b), at(a2), at(b2))
+        self.is_plain(exchange)
             && walls.is_clear(at(a), at(b))
             && walls.is_clear(at(a2), at(b2))
+    }
+
+    /// Whether the four places differ and the new links neither cross nor reach too far.
+    pub(super) fn is_plain(&self, exchange: Exchange) -> bool {
+        let Exchange { one: (a, a2), other: (b, b2) } = exchange;
+        let at = |place: u32| self.at[place as usize];
+        b != a2 && b2 != a && a != b && a2 != b2 && !cross(at(a), at(b), at(a2), at(b2))
+    }
+
+    /// Whether a link is a stretch of a track.
+    pub(super) fn is_short(&self, a: u32, b: u32) -> bool {
+        self.distance_m(a, b) <= SHORT * self.width_m
     }
 
     pub(super) fn apply(&mut self, exchange: Exchange) {
