@@ -71,7 +71,7 @@ pub(super) fn paths(
     };
     let (planned, cpu_s) = timed(|| task.plan(baseline.planner, 1));
     let planned = planned.map_err(|error| content(&path, error.to_string()))?;
-    let routes = planned.plan.plan().routes.iter();
+    let routes = planned.plan.routes().iter();
     Ok((routes.map(|route| route.points.clone()).collect(), cpu_s))
 }
 
