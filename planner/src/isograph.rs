@@ -290,3 +290,6 @@ fn loop_trees(graph: &Isograph, problem: &CoverProblem, cover: &Cover) -> Vec<Lo
     };
     cover.parents.iter().zip(&problem.roots).map(tree).collect()
 }
+
+#[cfg(test)]
+mod tests;

@@ -21,7 +21,6 @@ pub(super) struct Spiral<'a> {
 pub(super) fn spiral<'a>(graph: &'a Isograph, tree: &LoopTree, selection: &mut Selection) -> Spiral<'a> {
     let mut builder = Builder::new(graph, tree);
     let parents = tree.parents(graph);
-    builder.connected.push(tree.root);
     for child in depth_first(&parents, tree.root) {
         let parent = parents[child];
         if parent == child || !builder.attach(parent, child, selection) {
@@ -30,7 +29,8 @@ pub(super) fn spiral<'a>(graph: &'a Isograph, tree: &LoopTree, selection: &mut S
     }
     // What was cut off may be reached from lines that came later.
     for child in std::mem::take(&mut builder.spiral.apart) {
-        let hosts = builder.connected.clone();
+        let hosts = (0..tree.loops.len()).filter(|&host| builder.line_of[host] == builder.line_of[tree.root]);
+        let hosts: Vec<usize> = hosts.collect();
         if !hosts.into_iter().any(|host| builder.attach(host, child, selection)) {
             builder.spiral.apart.push(child);
         }
@@ -44,7 +44,8 @@ struct Builder<'a, 't> {
     spiral: Spiral<'a>,
     /// Where each loop was entered.
     entries: Vec<Option<StationId>>,
-    connected: Vec<usize>,
+    /// The closed line that each loop has become part of, by one of its loops.
+    line_of: Vec<usize>,
 }
 
 impl<'a, 't> Builder<'a, 't> {
@@ -52,11 +53,14 @@ impl<'a, 't> Builder<'a, 't> {
         let mut weave = Weave::new(graph);
         tree.loops.iter().for_each(|part| weave.lay(&part.ring));
         let spiral = Spiral { weave, apart: Vec::new() };
-        Self { graph, tree, spiral, entries: vec![None; tree.loops.len()], connected: Vec::new() }
+        let count = tree.loops.len();
+        Self { graph, tree, spiral, entries: vec![None; count], line_of: (0..count).collect() }
     }
 
-    /// Stitches a loop to one that is connected; false when no tuple is open.
+    /// Stitches a loop to another, on a closed line of its own; false when no tuple is open.
     fn attach(&mut self, parent: usize, child: usize, selection: &mut Selection) -> bool {
+        // Within one closed line a stitch would part it.
+        assert_ne!(self.line_of[parent], self.line_of[child], "only separate lines are stitched");
         let [above, below] = [parent, child].map(|index| &self.tree.loops[index]);
         let open: Vec<Tuple> = tuples_between(self.graph, above, below)
             .into_iter()
@@ -66,7 +70,8 @@ impl<'a, 't> Builder<'a, 't> {
         let Some(tuple) = picked else { return false };
         self.spiral.weave.stitch(tuple);
         self.entries[child] = tuple.steps.into_iter().find(|step| below.ring.contains(step));
-        self.connected.push(child);
+        let (kept, joined) = (self.line_of[parent], self.line_of[child]);
+        self.line_of.iter_mut().filter(|line| **line == joined).for_each(|line| *line = kept);
         true
     }
 }
