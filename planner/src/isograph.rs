@@ -203,9 +203,7 @@ fn rings(instance: &PolygonInstance) -> Vec<Vec<Point>> {
 fn isolines_of(instance: &PolygonInstance, walls: &Walls, kind: Isolines) -> Vec<Isoline> {
     match kind {
         Isolines::MarchingSquares => isolines::of_field(walls, instance.tool_width_m, instance.clearance_m()),
-        Isolines::Exact => {
-            isolines::of_rings(numbered_tracks(instance).into_iter(), instance.tool_width_m)
-        }
+        Isolines::Exact => isolines::of_rings(numbered_tracks(instance).into_iter(), instance.tool_width_m),
     }
 }
 

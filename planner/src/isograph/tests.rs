@@ -102,7 +102,10 @@ fn every_variant_covers_every_isoline_and_keeps_off_the_walls() {
 #[test]
 fn augmentation_and_refinement_shorten_the_longest_path() {
     let by = |hops_max, refine| {
-        makespan_m(&plan_spirals(&room_with_pillar(), &options(Isolines::MarchingSquares, hops_max, refine)).unwrap())
+        makespan_m(
+            &plan_spirals(&room_with_pillar(), &options(Isolines::MarchingSquares, hops_max, refine))
+                .unwrap(),
+        )
     };
     let (none, augmented, refined, both) = (by(1, false), by(3, false), by(1, true), by(3, true));
     assert!(augmented <= none + 1e-6 && refined <= none + 1e-6, "{none} {augmented} {refined}");
@@ -122,7 +125,8 @@ fn rooms_behind_a_narrow_door_are_reached_by_a_bridge() {
 #[test]
 fn the_exact_cover_is_a_lower_bound_of_the_search() {
     let exact = plan_spirals(&room_with_pillar(), &options(Isolines::MarchingSquares, 3, false)).unwrap();
-    let searched = SpiralOptions { tree_cover: TreeCover::Search, ..options(Isolines::MarchingSquares, 3, false) };
+    let searched =
+        SpiralOptions { tree_cover: TreeCover::Search, ..options(Isolines::MarchingSquares, 3, false) };
     let searched = plan_spirals(&room_with_pillar(), &searched).unwrap();
     assert!(exact.size[0] <= tree_exact::VERTICES_MAX, "{:?}", exact.size);
     assert!((exact.trees_m - exact.trees_bound_m).abs() < 1e-9);
@@ -155,7 +159,10 @@ fn star(radii: &[f64], holes: &[(f64, f64)]) -> PolygonInstance {
     };
     let hole = |&(x, y): &(f64, f64)| ring(&[[x, y], [x, y + 0.2], [x + 0.2, y + 0.2], [x + 0.2, y]]);
     PolygonInstance {
-        ground: Polygon::new(radii.iter().enumerate().map(corner).collect(), holes.iter().map(hole).collect()),
+        ground: Polygon::new(
+            radii.iter().enumerate().map(corner).collect(),
+            holes.iter().map(hole).collect(),
+        ),
         tool_width_m: TOOL_M,
         body_radius_m: TOOL_M / 2.0,
         starts: vec![Point::new(0.0, 0.0), Point::new(0.15, 0.0), Point::new(-0.1, 0.1)],
