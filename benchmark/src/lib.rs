@@ -62,6 +62,7 @@ pub const BENCHMARKS: &[Benchmark] = &[
         run: grid::run_extended,
     },
     Benchmark { name: "mfc", about: "Fig. 6 of Zheng and others 2005 (MFC)", run: mfc::run },
+    Benchmark { name: "mcfs", about: "Tables and Fig. 7 of Tang and Ma 2024 (MCFS)", run: mcfs::run },
     Benchmark { name: "growth", about: "planning time by size of the floor", run: growth::run },
     Benchmark {
         name: "grid",

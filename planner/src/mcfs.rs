@@ -66,6 +66,11 @@ pub fn cover(instance: &PolygonInstance, options: &McfsOptions) -> Result<Plan, 
     Ok(Plan { routes: lines.into_iter().map(|points| Route { points }).collect() })
 }
 
+/// As [`cover`], for ground that was traced from a map: robots that fit nowhere on the tracks stay where they are.
+pub(crate) fn cover_ground(instance: &PolygonInstance, options: &McfsOptions) -> Vec<Vec<Point>> {
+    whole(instance, options).map_or_else(Vec::new, |cover| cover.lines)
+}
+
 /// Lines, and what they sweep.
 struct Cover {
     lines: Vec<Vec<Point>>,
