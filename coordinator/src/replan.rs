@@ -171,8 +171,11 @@ impl Coordinator {
             causes,
         };
         let stations: Vec<Cell> = self.station_cells();
-        let options =
-            PlanOptions { planner: self.config.mission.planner.clone(), effort: 1, seed: self.config.seed };
+        let options = PlanOptions {
+            planner: self.config.mission.planner.clone(),
+            seed: self.config.seed,
+            ..PlanOptions::default()
+        };
         let floor = Arc::clone(&self.floor);
         let mode = Mode::Cover;
         Some((

@@ -30,9 +30,9 @@ use walls::Walls;
 use web::Web;
 
 /// Strips narrower than this share of the tool's width are left to the smoothing.
-const LEAST_STRIP: f64 = 0.35;
+const LEAST_STRIP: f64 = 0.6;
 /// How much more ground is worth than the way that sweeps it, when all is to be swept.
-const FULL_GROUND_WORTH: f64 = 6.0;
+const FULL_GROUND_WORTH: f64 = 8.0;
 
 /// How to cover polygons.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,11 +43,13 @@ pub struct McfsOptions {
     pub rounds: usize,
     /// How often shares are evened out anew by the lengths of the smoothed lines.
     pub corrections: usize,
+    /// The paper's own pipeline in place of ours, on floors with a map; it knows no coverage target.
+    pub paper: Option<crate::isograph::SpiralOptions>,
 }
 
 impl Default for McfsOptions {
     fn default() -> Self {
-        Self { coverage_target: None, rounds: 8, corrections: 2 }
+        Self { coverage_target: None, rounds: 8, corrections: 3, paper: None }
     }
 }
 
@@ -66,6 +68,11 @@ pub fn cover(instance: &PolygonInstance, options: &McfsOptions) -> Result<Plan, 
     Ok(Plan { routes: lines.into_iter().map(|points| Route { points }).collect() })
 }
 
+/// As [`cover`], for ground that was traced from a map: robots that fit nowhere on the tracks stay where they are.
+pub(crate) fn cover_ground(instance: &PolygonInstance, options: &McfsOptions) -> Vec<Vec<Point>> {
+    whole(instance, options).map_or_else(Vec::new, |cover| cover.lines)
+}
+
 /// Lines, and what they sweep.
 struct Cover {
     lines: Vec<Vec<Point>>,
@@ -73,8 +80,12 @@ struct Cover {
 }
 
 impl Cover {
+    fn lengths_m(&self) -> Vec<f64> {
+        self.lines.iter().map(|line| length_m(line)).collect()
+    }
+
     fn makespan_m(&self) -> f64 {
-        self.lines.iter().map(|line| length_m(line)).fold(0.0, f64::max)
+        self.lengths_m().into_iter().fold(0.0, f64::max)
     }
 }
 
@@ -117,17 +128,18 @@ fn lines_along(
     }
     sharing.settle(&mut shares, options.rounds);
     let mut best = smoothed(instance, &sharing, &shares, ground_worth);
+    let mut lengths_m = best.lengths_m();
     for _ in 0..options.corrections {
         for share in &shares {
             let raw_m = sharing.cost_m(share) - sharing.corrections_m[share.robot];
-            sharing.corrections_m[share.robot] = length_m(&best.lines[share.robot]) - raw_m;
+            sharing.corrections_m[share.robot] = lengths_m[share.robot] - raw_m;
         }
         sharing.settle(&mut shares, options.rounds);
             let again = smoothed(instance, &sharing, &shares, ground_worth);
-        if again.makespan_m() >= best.makespan_m() {
-            break;
+        lengths_m = again.lengths_m();
+        if again.makespan_m() < best.makespan_m() {
+            best = again;
         }
-        best = again;
     }
     Some(best)
 }

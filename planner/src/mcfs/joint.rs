@@ -9,7 +9,7 @@
 use terrain::{Point, Vector};
 
 /// Way that one radian of turning is worth, as a share of the tool's width.
-pub(super) const TURN_WORTH: f64 = 0.5;
+pub(super) const TURN_WORTH: f64 = 1.0;
 /// How far a stretch may be cut back or drawn out, in widths of the tool.
 const REACH: f64 = 2.6;
 /// Cut backs tried for slants, in widths of the tool, and the way that each is taken to lose.

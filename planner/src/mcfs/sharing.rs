@@ -10,12 +10,13 @@
 //! cut again where the longer of the two (line and drives there and back) is shortest: until nobody gains.
 
 use super::drive::{Drives, Neighbours};
-use super::joint::TURN_WORTH;
 use super::walls::Walls;
 use super::web::{Exchange, Web};
 
 /// Pairs of shares closer than this part of their length are left as they are.
 const EVEN: f64 = 5e-4;
+/// Way that one radian of turning at a chord is worth, as a share of the tool's width: evenness counts more.
+const TURN_WORTH: f64 = 0.4;
 
 /// One robot's closed line.
 #[derive(Debug, Clone)]

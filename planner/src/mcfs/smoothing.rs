@@ -5,7 +5,7 @@
 //! next to each other give way to each other in turn, so that the jogs of neighbouring arms become parallel slants:
 //! a spiral.
 
-use super::joint::{TURN_WORTH, turn_rad};
+use super::joint::turn_rad;
 use super::swept_counts::SweptCounts;
 use super::walls::Walls;
 use terrain::Point;
@@ -15,7 +15,9 @@ const STRETCHES: [usize; 8] = [1, 2, 3, 4, 6, 8, 11, 15];
 /// The least gain that counts, in widths of the tool.
 const LEAST_GAIN: f64 = 1e-3;
 /// Share of the area cut off that is surely lost.
-const LIKELY_LOSS: f64 = 0.1;
+const LIKELY_LOSS: f64 = 0.2;
+/// Way that one radian of turning is worth, as a share of the tool's width.
+const TURN_WORTH: f64 = 0.5;
 const SWEEPS: usize = 3;
 
 pub(super) struct Smoothing<'a> {

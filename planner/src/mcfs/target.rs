@@ -9,12 +9,12 @@ use super::{Cover, McfsOptions, PolygonInstance, lines_along};
 use geo::{Euclidean, Length};
 use terrain::Point;
 
-/// Tracks that sweep less new ground than this share of way × width are left out.
-const LEAST_YIELD: f64 = 0.8;
+/// Tracks that sweep less new ground than this share of way × width are left out: each is tried.
+const LEAST_YIELDS: [f64; 4] = [0.9, 0.8, 0.5, 0.0];
 /// How much more ground is worth than the way that sweeps it.
 const GROUND_WORTH: f64 = 2.0;
-/// Trials.
-const TRIALS: usize = 5;
+/// Distances from the walls that are tried.
+const TRIALS: usize = 6;
 /// The raster may be so far off.
 const RASTER_ERROR: f64 = 5e-4;
 
@@ -24,35 +24,50 @@ pub(super) fn cover_share(
     options: &McfsOptions,
     target: f64,
 ) -> Option<Cover> {
+    let covers = LEAST_YIELDS.into_iter().filter_map(|yields| search(instance, options, target, yields));
+    let best = covers.min_by(|a, b| a.makespan_m().total_cmp(&b.makespan_m()));
+    best.or_else(|| super::whole(instance, options))
+}
+
+/// Moves the tracks away from the walls until just enough is swept.
+fn search(
+    instance: &PolygonInstance,
+    options: &McfsOptions,
+    target: f64,
+    least_yield: f64,
+) -> Option<Cover> {
     let least_m = tracks::first_distance_m(instance);
     let rim_m: f64 = instance.rings().map(|(_, ring)| Euclidean.length(ring)).sum();
-    let target = target + RASTER_ERROR;
+    let (mut enough, mut too_far) = (None::<(f64, f64)>, None::<(f64, f64)>);
     let (mut first_m, mut best) = (least_m, None::<Cover>);
     for _ in 0..TRIALS {
-        let tracks = worthwhile(instance, tracks::tracks(instance, first_m));
+        let tracks = worthwhile(instance, tracks::tracks(instance, first_m), least_yield);
         let Some(cover) = lines_along(instance, options, &tracks, GROUND_WORTH) else { break };
-        let spare_m = (cover.coverage - target) * instance.area_m2() / rim_m;
-        let is_better = best.as_ref().is_none_or(|best| {
-            let (enough, was_enough) = (cover.coverage >= target, best.coverage >= target);
-            match (enough, was_enough) {
-                (true, true) => cover.makespan_m() < best.makespan_m(),
-                (false, false) => cover.coverage > best.coverage,
-                (enough, _) => enough,
+        let spare = cover.coverage - target - RASTER_ERROR;
+        if spare >= 0.0 {
+            enough = Some((first_m, spare));
+            if best.as_ref().is_none_or(|best| cover.makespan_m() < best.makespan_m()) {
+                best = Some(cover);
             }
-        });
-        if is_better {
-            best = Some(cover);
+        } else {
+            too_far = Some((first_m, spare));
         }
-        first_m = (first_m + spare_m).max(least_m);
+        first_m = match (enough, too_far) {
+            (Some(enough), Some(too_far)) => between(enough, too_far),
+            (Some((near_m, spare)), None) => near_m + spare * instance.area_m2() / rim_m,
+            (None, _) => break,
+        };
     }
-    match best {
-        Some(best) if best.coverage >= target => Some(best),
-        _ => super::whole(instance, options),
-    }
+    best
+}
+
+/// Where the spare coverage is likely to be gone, well within the two ends.
+fn between((near_m, spare): (f64, f64), (far_m, lack): (f64, f64)) -> f64 {
+    near_m + (far_m - near_m) * (spare / (spare - lack)).clamp(0.2, 0.8)
 }
 
 /// The tracks whose own ground is worth their way.
-fn worthwhile(instance: &PolygonInstance, tracks: Vec<Track>) -> Vec<Track> {
+fn worthwhile(instance: &PolygonInstance, tracks: Vec<Track>, least_yield: f64) -> Vec<Track> {
     let width_m = instance.tool_width_m;
     let mut swept = SweptCounts::new(&instance.ground, width_m);
     let links = |track: &Track| -> Vec<(Point, Point)> {
@@ -64,7 +79,7 @@ fn worthwhile(instance: &PolygonInstance, tracks: Vec<Track>) -> Vec<Track> {
     for track in tracks.into_iter().rev() {
         let before_m2 = swept.unswept_m2();
         links(&track).into_iter().for_each(|(from, to)| swept.take_out(from, to));
-        if swept.unswept_m2() - before_m2 >= LEAST_YIELD * width_m * track.length_m() {
+        if swept.unswept_m2() - before_m2 >= least_yield * width_m * track.length_m() {
             links(&track).into_iter().for_each(|(from, to)| swept.put_in(from, to));
             kept.push(track);
         }

@@ -23,7 +23,7 @@ impl Walls {
             .lines_iter()
             .map(|edge| Segment::new(point(edge.start), point(edge.end)))
             .collect();
-        let clearance_m = instance.clearance_m();
+        let clearance_m = instance.body_radius_m;
         let mut near = Near::new(edges.iter().flat_map(|edge| [edge.from, edge.to]), 4.0 * clearance_m);
         for (number, edge) in edges.iter().enumerate() {
             near.insert_box(edge.from, edge.to, number as u32);
