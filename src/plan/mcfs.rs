@@ -7,9 +7,9 @@ use planner::{
     mcfs::McfsOptions,
 };
 
-/// With any of the first five, `mcfs` plans by the paper's own pipeline.
+/// With any of these, `mcfs` plans by the paper's own pipeline.
 #[derive(Debug, Clone, Args)]
-#[command(next_help_heading = "Options of --planner mcfs: the paper's pipeline, when one of the first five is given")]
+#[command(next_help_heading = "Options of --planner mcfs: with any of them it plans by the paper's own pipeline")]
 pub struct McfsArgs {
     /// Where isolines are stitched together
     #[arg(long, value_enum)]
@@ -26,9 +26,6 @@ pub struct McfsArgs {
     /// How isolines are given to robots
     #[arg(long, value_enum)]
     mmrtc: Option<TreeCoverName>,
-    /// Share of the ground to be swept, of the default pipeline
-    #[arg(long, value_name = "SHARE", value_parser = share)]
-    coverage_target: Option<f64>,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -57,19 +54,12 @@ enum TreeCoverName {
     Search,
 }
 
-fn share(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value > 0.0 && value <= 1.0 => Ok(value),
-        _ => Err("expected a share above 0 and up to 1".to_owned()),
-    }
-}
-
 impl McfsArgs {
     /// The planner's options.
     ///
     /// # Errors
     ///
-    /// When they are given to another planner, or do not go together.
+    /// When they are given to another planner.
     pub fn options(&self, planner: &str) -> Result<McfsOptions> {
         let is_papers = self.refine
             || self.selector.is_some()
@@ -77,16 +67,11 @@ impl McfsArgs {
             || self.isolines.is_some()
             || self.mmrtc.is_some();
         ensure!(
-            planner == "mcfs" || !(is_papers || self.coverage_target.is_some()),
-            "--selector, --augment, --refine, --isolines, --mmrtc and --coverage-target are options of --planner mcfs, \
-             not of `{planner}`"
-        );
-        ensure!(
-            !(is_papers && self.coverage_target.is_some()),
-            "the paper's pipeline covers all isolines: leave out --coverage-target, or the other options of mcfs"
+            planner == "mcfs" || !is_papers,
+            "--selector, --augment, --refine, --isolines and --mmrtc are options of --planner mcfs, not of `{planner}`"
         );
         let paper = is_papers.then(|| self.paper());
-        Ok(McfsOptions { coverage_target: self.coverage_target, paper, ..McfsOptions::default() })
+        Ok(McfsOptions { paper, ..McfsOptions::default() })
     }
 
     fn paper(&self) -> SpiralOptions {
