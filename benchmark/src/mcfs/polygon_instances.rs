@@ -46,10 +46,7 @@ pub fn load(folder: &Path, name: &str) -> Result<PolygonInstance, BenchmarkError
     let file: File = read_json(&path)?;
     let ring = |corners: Corners| LineString::from(corners);
     let instance = PolygonInstance {
-        ground: Polygon::new(
-            ring(file.polygon.exterior),
-            file.polygon.holes.into_iter().map(ring).collect(),
-        ),
+        ground: Polygon::new(ring(file.polygon.exterior), file.polygon.holes.into_iter().map(ring).collect()),
         tool_width_m: file.tool_width,
         body_radius_m: file.tool_width / 2.0,
         starts: file.robots.iter().map(|robot| Point::from(robot.start)).collect(),
