@@ -1,8 +1,37 @@
 //! Smooth coverage of polygons by many robots: connected Fermat spirals, cut at any length.
 //!
 //! ```text
-//!   PolygonInstance ──▶ tracks ──▶ one closed line ──▶ k closed lines ──▶ Plan (one per robot, from its start)
+//!   PolygonInstance ──▶ tracks ──▶ one closed line ──▶ k closed lines ──▶ smoothed ──▶ Plan (from each start and back)
+//!                      offsets     exchanges of links   chords            ground stays swept
 //! ```
+//!
+//! **Problem.** A polygon with holes of area A, k robots at given starts, a round tool of width l. Sweep the ground
+//! with one closed line per robot so that the longest one, with the drive from the start and back, is short, lines
+//! turn little, and neither tool nor body leaves the ground.
+//!
+//! **Idea.** Closed *tracks* lie at (i − ½)·l from the walls, each offset from the polygon itself, and thin ones fill
+//! what the innermost tracks leave. Two links between places side by side are *exchanged* against two others: that
+//! joins two closed lines, and where it costs least way and turning (at corners, at ends of pockets, beside an earlier
+//! joint) it turns tracks into the two arms of a Fermat spiral. The same exchange within one line, a *chord*, cuts it
+//! at any length into two; k − 1 chords share the line out, and pairs of neighbours are joined and cut again, or hand
+//! a part over, until line and drives are even. Then every line is smoothed: stretches give way to straight ones and
+//! bends while way + turning + ground lost becomes less, so that jogs of neighbouring arms become slants. Shares are
+//! evened out anew by the smoothed lengths.
+//!
+//! **Guarantee.** Lines keep the body's radius from every wall (each link, chord, drive and shortcut is tested against
+//! the walls themselves). One line per piece of ground that some robot reaches. None on makespan; the bound is
+//! c·A ÷ (k·l) − π·l/4 for a swept share c.
+//!
+//! **Complexity.** n places (about 2·A/l²): O(n log n) to join, O(n) for each pair that is evened out, O(n) squares of
+//! the raster a sweep of smoothing. Offsets: O(corners · log) each, A/(l · perimeter) of them.
+//!
+//! **Paper.** J. Tang and H. Ma, *Multi-Robot Connected Fermat Spiral Coverage*, ICAPS 2024.
+//!
+//! **Departures.** First track at half a tool from the wall instead of a whole one: that is the 7 to 13 % the paper's
+//! lines leave. Offsets are exact, no distance field. No graph of isolines and no tree cover: lines are cut at any
+//! length, so shares are even without a mixed-integer model. Drives are charged. `coverage_target` sweeps a share.
+//!
+//! **Symbols.** l: `tool_width_m`; k: number of `starts`; A: `area_m2()`; isoline: track; stitching tuple: exchange.
 
 mod drive;
 mod joining;

@@ -22,6 +22,8 @@ const SEAM: f64 = 0.04;
 /// A closed line; its first corner is not repeated.
 #[derive(Debug, Clone)]
 pub(super) struct Track {
+    /// Number from the walls inwards.
+    #[allow(dead_code, reason = "isolines of the paper's pipeline are numbered")]
     pub(super) depth: usize,
     pub(super) corners: Vec<Point>,
 }
