@@ -1,8 +1,8 @@
 //! Tables of the MCFS paper on its seven polygons: ours beside what its authors printed and stored.
 
-pub mod evaluator;
 mod authors;
 mod drawing;
+pub mod evaluator;
 mod overlay_grid;
 mod paper_pipeline;
 pub mod polygon_instances;
@@ -96,8 +96,19 @@ fn whole(grounds: &[Ground], progress: Progress<'_>) -> Result<Table, BenchmarkE
          robots, the makespan the longest closed line with the drive from the start and back, \
          η = coverage · A ÷ (k · l · makespan). In brackets the authors' stored MCFS+BOTH paths, measured in the same \
          way. Overlap: swept by two or more robots. Outside: swept outside the polygon. CPU: user seconds of planning.",
-        &["polygon", "k", "A/(k·l)", "makespan m", "coverage %", "η", "turning rad/m", "turns > 150°", "overlap %",
-          "outside %", "CPU s"],
+        &[
+            "polygon",
+            "k",
+            "A/(k·l)",
+            "makespan m",
+            "coverage %",
+            "η",
+            "turning rad/m",
+            "turns > 150°",
+            "overlap %",
+            "outside %",
+            "CPU s",
+        ],
     );
     for ground in grounds {
         progress(&format!("All ground: {}", ground.name));
@@ -132,8 +143,18 @@ fn equal_coverage(
         "Table 2: as much ground as the authors",
         "The share of the ground that the authors' stored paths sweep is asked for. Printed: makespan in the paper's \
          Table 2, of open lines. In brackets the authors' stored paths, closed and measured in the same way.",
-        &["polygon", "k", "makespan m", "printed", "÷ authors", "coverage %", "turning rad/m", "turns > 150°",
-          "overlap %", "CPU s"],
+        &[
+            "polygon",
+            "k",
+            "makespan m",
+            "printed",
+            "÷ authors",
+            "coverage %",
+            "turning rad/m",
+            "turns > 150°",
+            "overlap %",
+            "CPU s",
+        ],
     );
     for ground in grounds {
         progress(&format!("Equal coverage: {}", ground.name));
@@ -206,7 +227,8 @@ fn teams(grounds: &[Ground], printed: &[Printed], progress: Progress<'_>) -> Res
             let mut instance = ground.instance.clone();
             instance.starts = ground.instance.starts.iter().copied().cycle().take(robots).collect();
             let made = make(ground.name, &instance, None)?;
-            let file = if ground.name == "office" { "office_num_robots.csv" } else { "two_torus_num_robots.csv" };
+            let file =
+                if ground.name == "office" { "office_num_robots.csv" } else { "two_torus_num_robots.csv" };
             table.push(vec![
                 ground.name.to_owned(),
                 robots.to_string(),

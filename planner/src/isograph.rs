@@ -28,8 +28,8 @@
 //! of all k-tuples, by a p-norm of all robots' costs in place of the deviation of those concerned. Refinement is done several
 //! times with other choices. Equation 3 says arg max of the added curvature, the text says minimise: the maximum turns more
 //! than random choice on every instance (`oxplow bench mcfs`), so it is the minimum.
-//! **Symbols.** l: tool width, `tool_m`. I_v: [`isolines::Isoline`]. O_{u,v}: tuples of [`graph::Edge`]. B(p): `before`. δ:
-//! `hops_max`. π: [`path::ClosedPath`]. T_i: [`loop_tree::LoopTree`]. f: [`Selector`].
+//! **Symbols.** `l`: tool width, `tool_m`. `I_v`: [`isolines::Isoline`]. `O_{u,v}`: tuples of [`graph::Edge`]. `B(p)`:
+//! `before`. δ: `hops_max`. π: [`path::ClosedPath`]. `T_i`: [`loop_tree::LoopTree`]. `f`: [`Selector`].
 
 mod augmentation;
 mod distance_field;

@@ -9,7 +9,9 @@ use planner::{
 
 /// With any of these, `mcfs` plans by the paper's own pipeline.
 #[derive(Debug, Clone, Args)]
-#[command(next_help_heading = "Options of --planner mcfs: with any of them it plans by the paper's own pipeline")]
+#[command(
+    next_help_heading = "Options of --planner mcfs: with any of them it plans by the paper's own pipeline"
+)]
 pub struct McfsArgs {
     /// Where isolines are stitched together
     #[arg(long, value_enum)]

@@ -37,7 +37,8 @@ pub(super) fn svg(ground: &Polygon<f64>, paths: &[Vec<Point>], tool_width_m: f64
         if let Some(start) = path.first() {
             let at = place(start.x, start.y);
             let (x, y) = at.split_once(',').expect("written just now");
-            let _ = writeln!(svg, "<circle cx=\"{x}\" cy=\"{y}\" r=\"4\" fill=\"{colour}\" stroke=\"#222\"/>");
+            let _ =
+                writeln!(svg, "<circle cx=\"{x}\" cy=\"{y}\" r=\"4\" fill=\"{colour}\" stroke=\"#222\"/>");
         }
     }
     svg.push_str("</svg>\n");

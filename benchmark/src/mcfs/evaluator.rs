@@ -16,7 +16,9 @@
 //! | η | c·A ÷ (k·l·makespan) |
 
 use geo::algorithm::buffer::{BufferStyle, LineCap, LineJoin};
-use geo::{Area, BooleanOps, Buffer, Coord, Euclidean, Length, LineString, MultiLineString, MultiPolygon, Polygon};
+use geo::{
+    Area, BooleanOps, Buffer, Coord, Euclidean, Length, LineString, MultiLineString, MultiPolygon, Polygon,
+};
 use terrain::{Point, angle_between};
 
 /// The most points of a line that are swept at once.
@@ -165,7 +167,8 @@ mod tests {
         };
         let path = folder.join("mcfs/measured.csv");
         let text = std::fs::read_to_string(path).unwrap();
-        let text: String = text.lines().filter(|line| !line.starts_with('#')).map(|l| format!("{l}\n")).collect();
+        let text: String =
+            text.lines().filter(|line| !line.starts_with('#')).map(|l| format!("{l}\n")).collect();
         let mut reader = csv::Reader::from_reader(text.as_bytes());
         let measured: Vec<Measured> = reader.deserialize().map(Result::unwrap).collect();
         let stored: Vec<_> = measured.iter().filter(|row| row.method == "MCFS-BOTH (stored)").collect();

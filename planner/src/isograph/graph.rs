@@ -107,7 +107,9 @@ impl Isograph {
             return;
         }
         let mut joined = DisjointSets::new(self.lines.len());
-        self.edges.iter().for_each(|edge| joined.unite(edge.lines[0], edge.lines[1]));
+        for edge in &self.edges {
+            joined.unite(edge.lines[0], edge.lines[1]);
+        }
         for ends in index.bridges(self, &pieces) {
             let lines = ends.map(|end| self.line_of(end));
             let way = Segment::new(self.point(ends[0]), self.point(ends[1]));
@@ -122,7 +124,9 @@ impl Isograph {
 
     fn add_sound(&mut self, mut tuples: Vec<Tuple>, walls: &Walls) {
         tuples.retain(|&tuple| self.is_sound(tuple, walls, 1));
-        tuples.into_iter().for_each(|tuple| self.add(tuple, 1, 0.0));
+        for tuple in tuples {
+            self.add(tuple, 1, 0.0);
+        }
     }
 
     /// Adds a tuple to the edge between its lines.

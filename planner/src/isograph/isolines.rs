@@ -62,7 +62,9 @@ impl Isoline {
         }
         let mut stations = stations(ring, count, length_m);
         if !keeps_corners {
-            stations.iter_mut().for_each(|station| station.corners_before.clear());
+            for station in &mut stations {
+                station.corners_before.clear();
+            }
         }
         let mut line = Self { layer, stations, length_m: 0.0 };
         line.length_m = (0..count).map(|station| line.step_m(station)).sum();

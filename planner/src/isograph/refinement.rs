@@ -64,7 +64,7 @@ impl<'a> Refinement<'a> {
         match self.most_repeated() {
             Some(line) => {
                 self.used[line as usize] = true;
-                let choices = self.choices(line, Vec::new());
+                let choices = self.choices(line, &[]);
                 if choices.is_empty() {
                     self.leave_to_one(line);
                 } else {
@@ -89,15 +89,17 @@ impl<'a> Refinement<'a> {
     }
 
     /// Ways to split a line with each neighbour, after it was given to some trees.
-    fn choices(&self, line: LineId, given_to: Vec<usize>) -> Vec<Choice<'a>> {
+    fn choices(&self, line: LineId, given_to: &[usize]) -> Vec<Choice<'a>> {
         let mut trees = self.trees.clone();
-        given_to.iter().for_each(|&tree| trees[tree].loops.push(Loop::whole(self.graph, line)));
+        for &tree in given_to {
+            trees[tree].loops.push(Loop::whole(self.graph, line));
+        }
         let costs_m = self.costs_m();
         let choice = |partner| {
             let lines = [line, partner];
             let splitting = Splitting::new(self.graph, &trees, &costs_m, lines)?;
             let division = splitting.best()?;
-            Some(Choice { splitting, division, lines, given_to: given_to.clone() })
+            Some(Choice { splitting, division, lines, given_to: given_to.to_vec() })
         };
         self.partners(line).filter_map(choice).collect()
     }
@@ -135,7 +137,9 @@ impl<'a> Refinement<'a> {
         for &tree in &choice.given_to {
             self.trees[tree].loops.push(Loop::whole(self.graph, choice.lines[0]));
         }
-        choice.lines.iter().for_each(|&line| self.used[line as usize] = true);
+        for line in choice.lines {
+            self.used[line as usize] = true;
+        }
         choice.splitting.apply(&choice.division, &mut self.trees);
     }
 
@@ -152,8 +156,8 @@ impl<'a> Refinement<'a> {
         let mut choices = Vec::new();
         for line in lines {
             let cheap = self.cheaper_neighbours(line, &costs_m);
-            choices.extend((1..=cheap.len()).flat_map(|count| self.choices(line, cheap[..count].to_vec())));
-            choices.extend(cheap.iter().skip(1).flat_map(|&tree| self.choices(line, vec![tree])));
+            choices.extend((1..=cheap.len()).flat_map(|count| self.choices(line, &cheap[..count])));
+            choices.extend(cheap.iter().skip(1).flat_map(|&tree| self.choices(line, &[tree])));
         }
         choices.retain(|choice| choice.division.norm_m < before_m - 1e-9);
         let found = !choices.is_empty();

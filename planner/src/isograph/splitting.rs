@@ -288,7 +288,9 @@ fn cuts(graph: &Isograph, lines: [LineId; 2]) -> Vec<Tuple> {
     };
     let side = |line: LineId| usize::from(edge.lines[1] == line);
     let mut tuples: Vec<Tuple> = edge.tuples.iter().copied().filter(|tuple| !tuple.faces).collect();
-    tuples.iter_mut().for_each(|tuple| tuple.steps = lines.map(|line| tuple.steps[side(line)]));
+    for tuple in &mut tuples {
+        tuple.steps = lines.map(|line| tuple.steps[side(line)]);
+    }
     tuples.sort_by_key(|tuple| tuple.steps[0]);
     let Some(first) = tuples.first().copied() else { return tuples };
     let places: Vec<StationId> =

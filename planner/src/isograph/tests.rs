@@ -65,7 +65,7 @@ fn stands(instance: &PolygonInstance, options: &SpiralOptions, spirals: &Spirals
     reached.sort_unstable();
     let stations = lines.iter().flat_map(|line| &line.stations);
     let missed = stations.filter(|station| reached.binary_search(&rounded(station.point)).is_err()).count();
-    if missed > 0 && spirals.left_out_m == 0.0 {
+    if missed > 0 && spirals.left_out_m <= 0.0 {
         return Err(format!("{missed} stations are missed"));
     }
     for trip in spirals.round_trips() {
@@ -93,7 +93,7 @@ fn every_variant_covers_every_isoline_and_keeps_off_the_walls() {
         for (hops_max, refine) in [(1, false), (1, true), (3, false), (3, true)] {
             let options = options(isolines, hops_max, refine);
             let spirals = plan_spirals(&room_with_pillar(), &options).unwrap();
-            assert_eq!(spirals.left_out_m, 0.0);
+            assert!(spirals.left_out_m <= 0.0);
             stands(&room_with_pillar(), &options, &spirals).unwrap();
         }
     }
@@ -117,7 +117,7 @@ fn rooms_behind_a_narrow_door_are_reached_by_a_bridge() {
     for isolines in [Isolines::MarchingSquares, Isolines::Exact] {
         let options = options(isolines, 2, true);
         let spirals = plan_spirals(&rooms_with_narrow_door(), &options).unwrap();
-        assert_eq!(spirals.left_out_m, 0.0);
+        assert!(spirals.left_out_m <= 0.0);
         stands(&rooms_with_narrow_door(), &options, &spirals).unwrap();
     }
 }

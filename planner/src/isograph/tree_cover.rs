@@ -75,7 +75,9 @@ impl CoverProblem {
     /// Cost of the cheapest path from one of some vertices to each, that to the vertex itself included.
     fn ways_m(&self, from: &[Vertex]) -> Vec<f64> {
         let mut ways = vec![f64::INFINITY; self.len()];
-        from.iter().for_each(|&vertex| ways[vertex] = self.weights_m[vertex]);
+        for &vertex in from {
+            ways[vertex] = self.weights_m[vertex];
+        }
         let mut open: Vec<bool> = vec![true; self.len()];
         while let Some(at) = cheapest(&ways, &open) {
             open[at] = false;

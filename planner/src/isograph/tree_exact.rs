@@ -1,8 +1,8 @@
 //! The optimum of the tree cover, proven, for graphs of few lines: a dynamic program over sets of vertices.
 //!
-//! f(T) = what it costs to cover at least T from a root: weights and a minimum spanning tree of a connected superset,
-//! the cheapest one. g_i(S), the best makespan with which robots 1 … i cover S, is the least over parts T of S of
-//! max(f_i(T), g_{i-1}(S − T)). O(2ⁿ n²) for f, O(k 3ⁿ) for g; sets that cost no less than the search's answer, the
+//! `f(T)` = what it costs to cover at least T from a root: weights and a minimum spanning tree of a connected superset,
+//! the cheapest one. `g_i(S)`, the best makespan with which robots 1 … i cover S, is the least over parts T of S of
+//! `max(f_i(T), g_{i-1}(S − T))`. O(2ⁿ n²) for f, O(k 3ⁿ) for g; sets that cost no less than the search's answer, the
 //! warm start, are not looked at.
 
 use super::tree_cover::{Cover, CoverProblem, Vertex};
@@ -21,7 +21,7 @@ pub(super) fn optimum(problem: &CoverProblem, warm: &Cover) -> Option<Cover> {
     let trees = Trees::new(problem);
     let mut tables: Vec<Table> = Vec::new();
     for &root in &problem.roots {
-        let cover = trees.from_root(root);
+        let cover = trees.at_root(root);
         let table = match tables.last() {
             None => Table::of_first(&cover, limit_m),
             Some(before) => before.with(&cover, limit_m),
@@ -36,7 +36,7 @@ pub(super) fn optimum(problem: &CoverProblem, warm: &Cover) -> Option<Cover> {
     let mut parents = Vec::new();
     for (table, &root) in tables.iter().zip(&problem.roots).rev() {
         let part = table.part[left as usize];
-        parents.push(trees.tree(root, trees.from_root(root).superset[part as usize]));
+        parents.push(trees.tree(root, trees.at_root(root).superset[part as usize]));
         left &= !part;
     }
     parents.reverse();
@@ -121,11 +121,11 @@ impl<'a> Trees<'a> {
         parents
     }
 
-    fn from_root(&self, root: Vertex) -> FromRoot {
+    fn at_root(&self, root: Vertex) -> FromRoot {
         let count = self.cost_m.len();
-        let at_root = |set: usize| if set >> root & 1 == 1 { self.cost_m[set] } else { f64::INFINITY };
+        let rooted_m = |set: usize| if set >> root & 1 == 1 { self.cost_m[set] } else { f64::INFINITY };
         let mut cover =
-            FromRoot { cost_m: (0..count).map(at_root).collect(), superset: (0..count as Set).collect() };
+            FromRoot { cost_m: (0..count).map(rooted_m).collect(), superset: (0..count as Set).collect() };
         for bit in 0..self.problem.len() {
             for set in (0..count).filter(|set| set >> bit & 1 == 0) {
                 let larger = set | 1 << bit;

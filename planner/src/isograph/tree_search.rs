@@ -47,7 +47,9 @@ impl<'a> Search<'a> {
             covered: vec![0; problem.len()],
             rng: ChaCha8Rng::seed_from_u64(seed),
         };
-        problem.roots.iter().for_each(|&root| search.covered[root] += 1);
+        for &root in &problem.roots {
+            search.covered[root] += 1;
+        }
         search.grow();
         search
     }

@@ -26,7 +26,8 @@ impl Neighbours {
         let reach_m = REACH * web.width_m;
         let of = |place: u32| {
             let beside = web.beside(place, reach_m);
-            let clear = beside.filter(|&other| walls.is_clear(web.at[place as usize], web.at[other as usize]));
+            let clear =
+                beside.filter(|&other| walls.is_clear(web.at[place as usize], web.at[other as usize]));
             clear.chain(web.links[place as usize]).collect()
         };
         Self((0..web.len() as u32).map(of).collect())

@@ -220,9 +220,9 @@ impl PolygonInstance {
         let place = geo::Point::from(place);
         self.rings()
             .flat_map(|(ring, line)| {
-                line.lines().enumerate().map(move |(vertex, edge)| {
-                    (ring, vertex, Euclidean.distance(&place, &edge))
-                })
+                line.lines()
+                    .enumerate()
+                    .map(move |(vertex, edge)| (ring, vertex, Euclidean.distance(&place, &edge)))
             })
             .min_by(|a, b| a.2.total_cmp(&b.2))
             .expect("a polygon has edges")

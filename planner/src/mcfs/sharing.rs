@@ -19,7 +19,7 @@ const EVEN: f64 = 5e-4;
 const TURN_WORTH: f64 = 0.4;
 
 /// One robot's closed line.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Share {
     pub(super) robot: usize,
     pub(super) line: Vec<u32>,
@@ -260,7 +260,8 @@ impl Sharing<'_> {
                     continue;
                 }
                 let inner_m = ruler.between_m(first, last) + closing_m;
-                let outer_m = ruler.length_m() - ruler.between_m(before_first, after_last as usize) + passing_m;
+                let outer_m =
+                    ruler.length_m() - ruler.between_m(before_first, after_last as usize) + passing_m;
                 let cutting = Cutting { ruler, first, last, inner_m, outer_m };
                 let Some((worst_m, inner_robot, outer_robot)) = judge(&cutting) else { continue };
                 if best.is_some_and(|best| worst_m >= best.score_m) {
@@ -269,8 +270,7 @@ impl Sharing<'_> {
                 let turn_m = TURN_WORTH * self.web.width_m * self.web.cost(exchange).turn_rad;
                 let score_m = worst_m + turn_m.max(0.0);
                 if best.is_none_or(|best| score_m < best.score_m) && self.web.allows(exchange, self.walls) {
-                    best =
-                        Some(Chord { first, last, inner_m, outer_m, score_m, inner_robot, outer_robot });
+                    best = Some(Chord { first, last, inner_m, outer_m, score_m, inner_robot, outer_robot });
                 }
             }
         }
@@ -306,7 +306,9 @@ impl Cutting<'_> {
     }
 
     fn outer_cost_m(&self, slot: usize) -> f64 {
-        self.outer_m + self.ruler.corrections_m[slot] + 2.0 * self.ruler.outside_m(slot, self.first, self.last)
+        self.outer_m
+            + self.ruler.corrections_m[slot]
+            + 2.0 * self.ruler.outside_m(slot, self.first, self.last)
     }
 }
 
@@ -358,8 +360,11 @@ impl Ruler {
 
     fn outside_m(&self, slot: usize, first: usize, last: usize) -> f64 {
         let before = if first > 0 { self.inside_m(slot, 0, first - 1) } else { f64::INFINITY };
-        let after =
-            if last + 1 < self.places { self.inside_m(slot, last + 1, self.places - 1) } else { f64::INFINITY };
+        let after = if last + 1 < self.places {
+            self.inside_m(slot, last + 1, self.places - 1)
+        } else {
+            f64::INFINITY
+        };
         before.min(after)
     }
 }

@@ -11,7 +11,8 @@ use super::walls::Walls;
 use terrain::Point;
 
 /// Numbers of points between the ends of the stretches that are tried.
-const STRETCHES: [usize; 8] = [1, 2, 3, 4, 6, 8, 11, 15];
+const STRETCHES: [usize; 8] = [1, 2, 3, 4, 6, 8, 11, LONGEST];
+const LONGEST: usize = 15;
 /// The least gain that counts, in widths of the tool.
 const LEAST_GAIN: f64 = 1e-3;
 /// Share of the area cut off that is surely lost.
@@ -29,12 +30,14 @@ pub(super) struct Smoothing<'a> {
 }
 
 impl Smoothing<'_> {
-    /// Smooths all lines; first and last points stay.
-    pub(super) fn smooth(&mut self, lines: &mut [Vec<Point>]) {
+    /// Smooths the lines that are new; first and last points stay.
+    pub(super) fn smooth(&mut self, lines: &mut [Vec<Point>], is_new: &[bool]) {
+        let new: Vec<usize> = (0..lines.len()).filter(|&line| is_new[line]).collect();
+        let mut quiet: Vec<Vec<bool>> = lines.iter().map(|line| vec![false; line.len()]).collect();
         for _ in 0..SWEEPS {
             let mut changed = false;
-            for line in lines.iter_mut() {
-                changed |= self.sweep(line);
+            for &line in &new {
+                changed |= self.sweep(&mut lines[line], &mut quiet[line]);
             }
             if !changed {
                 break;
@@ -42,13 +45,21 @@ impl Smoothing<'_> {
         }
     }
 
-    fn sweep(&mut self, line: &mut Vec<Point>) -> bool {
+    /// Tries every point that is not quiet: those at which there is nothing to try are, until something near changes.
+    fn sweep(&mut self, line: &mut Vec<Point>, quiet: &mut Vec<bool>) -> bool {
         let mut changed = false;
         let mut at = 0;
         while at + 2 < line.len() {
-            let best = self.best_shortcut(line, at);
-            let taken = best.is_some_and(|best| self.try_out(line, &best));
-            changed |= taken;
+            if !quiet[at] {
+                let best = self.best_shortcut(line, at);
+                quiet[at] = best.is_none();
+                if let Some(best) = best.filter(|best| self.try_out(line, best)) {
+                    quiet.splice(best.from + 1..best.to, best.corner.map(|_| false));
+                    let last = (at + STRETCHES[0] + 1).min(quiet.len() - 1);
+                    quiet[at.saturating_sub(LONGEST)..=last].fill(false);
+                    changed = true;
+                }
+            }
             at += 1;
         }
         changed
@@ -85,7 +96,8 @@ impl Smoothing<'_> {
 
     /// A cautious guess at the ground that a shortcut loses, in metres of way: part of the area it cuts off.
     fn likely_loss_m(&self, line: &[Point], shortcut: &Shortcut) -> f64 {
-        let old = line[shortcut.from..=shortcut.to].windows(2).map(|pair| pair[0].coords.perp(&pair[1].coords));
+        let old =
+            line[shortcut.from..=shortcut.to].windows(2).map(|pair| pair[0].coords.perp(&pair[1].coords));
         let (a, b) = (line[shortcut.from].coords, line[shortcut.to].coords);
         let new = match shortcut.corner {
             Some(corner) => b.perp(&corner.coords) + corner.coords.perp(&a),
@@ -116,8 +128,7 @@ impl Smoothing<'_> {
     /// Puts a shortcut in, and takes it out again when too much ground is lost.
     fn try_out(&mut self, line: &mut Vec<Point>, shortcut: &Shortcut) -> bool {
         let Shortcut { from, to, .. } = *shortcut;
-        let new: Vec<Point> =
-            [line[from]].into_iter().chain(shortcut.corner).chain([line[to]]).collect();
+        let new: Vec<Point> = [line[from]].into_iter().chain(shortcut.corner).chain([line[to]]).collect();
         if !new.windows(2).all(|pair| self.walls.is_clear(pair[0], pair[1])) {
             return false;
         }
@@ -158,11 +169,16 @@ fn corner(line: &[Point], from: usize, to: usize, reach_m: f64) -> Option<Point>
     }
     let apart = line[to] - line[from];
     let (ahead, behind) = (apart.perp(&leaving) / cross, heading.perp(&apart) / cross);
-    let fits = ahead > 0.0 && behind > 0.0 && ahead * heading.norm() < reach_m && behind * leaving.norm() < reach_m;
+    let fits =
+        ahead > 0.0 && behind > 0.0 && ahead * heading.norm() < reach_m && behind * leaving.norm() < reach_m;
     fits.then(|| line[from] + heading * ahead)
 }
 
 /// The size of the turn at a point of a line; none at its ends.
 fn turn_at(line: &[Point], at: usize) -> f64 {
-    if at == 0 || at + 1 >= line.len() { 0.0 } else { turn_rad(line[at] - line[at - 1], line[at + 1] - line[at]) }
+    if at == 0 || at + 1 >= line.len() {
+        0.0
+    } else {
+        turn_rad(line[at] - line[at - 1], line[at + 1] - line[at])
+    }
 }

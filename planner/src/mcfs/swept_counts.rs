@@ -4,7 +4,7 @@ use geo::{BoundingRect, Coord, LinesIter, Polygon};
 use terrain::{Point, Segment};
 
 /// Squares across the tool.
-const SQUARES: f64 = 10.0;
+const SQUARES: f64 = 8.0;
 /// The most squares in all; larger ground gets larger squares.
 const SQUARES_MAX: f64 = 16e6;
 

@@ -19,23 +19,14 @@ const TRIALS: usize = 6;
 const RASTER_ERROR: f64 = 5e-4;
 
 /// The best cover found that sweeps at least `target` of the ground; with all tracks when none does.
-pub(super) fn cover_share(
-    instance: &PolygonInstance,
-    options: &McfsOptions,
-    target: f64,
-) -> Option<Cover> {
+pub(super) fn cover_share(instance: &PolygonInstance, options: &McfsOptions, target: f64) -> Option<Cover> {
     let covers = LEAST_YIELDS.into_iter().filter_map(|yields| search(instance, options, target, yields));
     let best = covers.min_by(|a, b| a.makespan_m().total_cmp(&b.makespan_m()));
     best.or_else(|| super::whole(instance, options))
 }
 
 /// Moves the tracks away from the walls until just enough is swept.
-fn search(
-    instance: &PolygonInstance,
-    options: &McfsOptions,
-    target: f64,
-    least_yield: f64,
-) -> Option<Cover> {
+fn search(instance: &PolygonInstance, options: &McfsOptions, target: f64, least_yield: f64) -> Option<Cover> {
     let least_m = tracks::first_distance_m(instance);
     let rim_m: f64 = instance.rings().map(|(_, ring)| Euclidean.length(ring)).sum();
     let (mut enough, mut too_far) = (None::<(f64, f64)>, None::<(f64, f64)>);

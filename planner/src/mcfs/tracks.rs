@@ -22,6 +22,8 @@ const SEAM: f64 = 0.04;
 /// A closed line; its first corner is not repeated.
 #[derive(Debug, Clone)]
 pub(super) struct Track {
+    /// Number from the walls inwards.
+    #[allow(dead_code, reason = "isolines of the paper's pipeline are numbered")]
     pub(super) depth: usize,
     pub(super) corners: Vec<Point>,
 }
@@ -64,7 +66,8 @@ pub(super) fn tracks(instance: &PolygonInstance, first_m: f64) -> Vec<Track> {
 pub(super) fn strips(instance: &PolygonInstance, tracks: &[Track], least: f64) -> Vec<Track> {
     let (width_m, tolerance_m) = (instance.tool_width_m, SIMPLIFIED * instance.tool_width_m);
     let swept: Vec<_> = tracks.iter().map(|track| track.swept((1.0 + SEAM) * width_m)).collect();
-    let left = shrunk(instance, first_distance_m(instance), tolerance_m).difference(&geo::unary_union(&swept));
+    let left =
+        shrunk(instance, first_distance_m(instance), tolerance_m).difference(&geo::unary_union(&swept));
     let style = BufferStyle::new(-0.5 * least * width_m).line_join(LineJoin::Round(0.5));
     let wide = left.buffer_with_style(style);
     let rings = wide.iter().filter(|part| part.unsigned_area() > 0.1 * width_m * width_m);

@@ -172,9 +172,7 @@ impl Web {
     pub(super) fn allows(&self, exchange: Exchange, walls: &Walls) -> bool {
         let Exchange { one: (a, a2), other: (b, b2) } = exchange;
         let at = |place: u32| self.at[place as usize];
-        self.is_plain(exchange)
-            && walls.is_clear(at(a), at(b))
-            && walls.is_clear(at(a2), at(b2))
+        self.is_plain(exchange) && walls.is_clear(at(a), at(b)) && walls.is_clear(at(a2), at(b2))
     }
 
     /// Whether the four places differ and the new links neither cross nor reach too far.

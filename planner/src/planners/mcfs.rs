@@ -12,7 +12,8 @@ use terrain::{GridMap, Point};
 
 pub(crate) fn plan(instance: &Instance<'_>, options: &PlanOptions) -> Result<Plan, PlanError> {
     let refused = |reason: &str| PlanError::Unsupported { planner: "mcfs", reason: reason.to_owned() };
-    let map = instance.floor.map().ok_or_else(|| refused("the floor has no map whose walls can be followed"))?;
+    let map =
+        instance.floor.map().ok_or_else(|| refused("the floor has no map whose walls can be followed"))?;
     if instance.weights.is_some() {
         return Err(refused("ground of different speeds is not known to smooth lines"));
     }
@@ -99,4 +100,79 @@ fn runs(map: &GridMap, y: i64) -> Vec<(i64, i64)> {
         }
     }
     runs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{PlanError, Start, plan as planned};
+    use terrain::{Floor, MotionModel};
+
+    const MOTION: MotionModel = MotionModel {
+        speed_m_per_s: 0.5,
+        acceleration_m_per_s2: 0.6,
+        angular_speed_rad_per_s: 0.8,
+        angular_acceleration_rad_per_s2: f64::INFINITY,
+        brakes: true,
+    };
+
+    /// Two rooms with a pillar, a door, and a corridor that only the body fits into.
+    const ROOMS: &str = "\
+        ....................\n\
+        ....................\n\
+        ..........#.........\n\
+        ....##....#.........\n\
+        ....##....#.........\n\
+        ..........#.........\n\
+        ..........#########.\n\
+        ..........#########.\n\
+        ....................";
+
+    fn floor(body_radius_m: f64) -> Floor {
+        let map = GridMap::from_drawing(ROOMS, 0.5).unwrap();
+        Floor::new(&map, 0.5, body_radius_m, 0.75).unwrap()
+    }
+
+    fn options() -> PlanOptions {
+        PlanOptions { planner: "mcfs".to_owned(), ..PlanOptions::default() }
+    }
+
+    fn instance(floor: &Floor, mode: Mode) -> Instance<'_> {
+        let cells: Vec<terrain::Cell> =
+            floor.lattice().cells().filter(|&cell| floor.cell_is_drivable(cell)).collect();
+        let starts = [cells[0], cells[cells.len() / 2]].map(Start::at).to_vec();
+        Instance::whole_floor(floor, starts, MOTION, mode)
+    }
+
+    #[test]
+    fn a_floor_with_narrow_ways_is_swept_whole() {
+        for body_radius_m in [0.2, 0.24] {
+            let floor = floor(body_radius_m);
+            for mode in [Mode::Cover, Mode::CoverAndReturn] {
+                let made = planned(&instance(&floor, mode), &options()).unwrap();
+                assert!(made.figures().coverage_ratio >= 0.99, "{:?}", made.figures());
+            }
+        }
+    }
+
+    #[test]
+    fn blocked_cells_are_driven_around() {
+        let floor = floor(0.2);
+        let mut instance = instance(&floor, Mode::CoverAndReturn);
+        let index = floor.lattice().index(terrain::Cell::new(2, 5)).unwrap();
+        instance.blocked[index] = true;
+        instance.visit = instance.reachable();
+        let made = planned(&instance, &options()).unwrap();
+        assert!(made.figures().coverage_ratio >= 0.99, "{:?}", made.figures());
+    }
+
+    #[test]
+    fn what_it_cannot_do_is_said() {
+        let floor = floor(0.2);
+        let mut instance = instance(&floor, Mode::Cover);
+        let first = instance.visit.iter().position(|&visit| visit).unwrap();
+        instance.visit[first] = false;
+        let refused = planned(&instance, &options());
+        assert!(matches!(refused, Err(PlanError::Unsupported { planner: "mcfs", .. })), "{refused:?}");
+    }
 }

@@ -65,7 +65,9 @@ impl<'a> Rest<'a> {
 
     /// Samples of a cell still to be swept.
     fn lacks(&self, cell: Cell) -> u32 {
-        let Some(index) = self.lattice.index(cell).filter(|&index| self.instance.visit[index]) else { return 0 };
+        let Some(index) = self.lattice.index(cell).filter(|&index| self.instance.visit[index]) else {
+            return 0;
+        };
         (self.instance.floor.required(index) & !self.raster.samples(index)).count_ones()
     }
 
