@@ -1,5 +1,6 @@
 //! `oxplow plan`: a plan for a scenario or a map, and its figures; nothing drives.
 
+mod mcfs;
 mod picture;
 mod report;
 mod task;
@@ -47,6 +48,8 @@ pub struct PlanArgs {
     /// Seed of planners that draw
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
+    #[command(flatten)]
+    mcfs: mcfs::McfsArgs,
     /// Print the plan as JSON
     #[arg(long)]
     json: bool,
@@ -128,7 +131,12 @@ pub fn run(args: &PlanArgs) -> Result<ExitCode> {
 
 /// Plans in a thread of its own: planners know no clock, so the limit ends the process, not the planner.
 fn plan_within(task: &Arc<Task>, args: &PlanArgs) -> Result<(VerifiedPlan, f64)> {
-    let options = PlanOptions { planner: task.planner.clone(), effort: args.effort, seed: args.seed };
+    let options = PlanOptions {
+        planner: task.planner.clone(),
+        effort: args.effort,
+        seed: args.seed,
+        mcfs: args.mcfs.options(&task.planner)?,
+    };
     let (sender, receiver) = mpsc::channel();
     let begun = now();
     let shared = Arc::clone(task);

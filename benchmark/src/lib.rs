@@ -1,7 +1,7 @@
 //! The planners on the instances of the papers, side by side with the printed figures.
 //!
 //! ```text
-//!   instances (../shared/instances) ──▶ Task ──▶ planner::plan ──▶ Table ──▶ CSV, Markdown
+//!   instances (../shared/instances) ──▶ Task ──▶ planner::plan ──▶ Table ──▶ CSV, Markdown, SVG
 //!                                                lower bound, user CPU
 //! ```
 //!
@@ -12,13 +12,17 @@ mod cpu;
 mod grid;
 mod grid_instances;
 mod growth;
+pub mod mcfs;
 mod mfc;
+mod pictures;
+pub mod plot;
 mod tables;
 mod task;
 mod terrains;
 mod tmstc;
 mod tmstc_instances;
 
+pub use pictures::Picture;
 pub use tables::Table;
 
 use std::path::{Path, PathBuf};
@@ -58,6 +62,7 @@ pub const BENCHMARKS: &[Benchmark] = &[
         run: grid::run_extended,
     },
     Benchmark { name: "mfc", about: "Fig. 6 of Zheng and others 2005 (MFC)", run: mfc::run },
+    Benchmark { name: "mcfs", about: "Tables and Fig. 7 of Tang and Ma 2024 (MCFS)", run: mcfs::run },
     Benchmark { name: "growth", about: "planning time by size of the floor", run: growth::run },
     Benchmark {
         name: "grid",

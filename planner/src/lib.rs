@@ -12,8 +12,10 @@ mod disjoint_sets;
 mod division;
 mod edge_weights;
 mod instance;
+pub mod isograph;
 mod lower_bound;
 mod matching;
+pub mod mcfs;
 mod plan;
 pub mod planners;
 mod repair;
@@ -42,11 +44,13 @@ pub struct PlanOptions {
     pub effort: u32,
     /// Seed for planners that draw.
     pub seed: u64,
+    /// What `mcfs` alone can be told.
+    pub mcfs: mcfs::McfsOptions,
 }
 
 impl Default for PlanOptions {
     fn default() -> Self {
-        Self { planner: "tmstc-star".to_owned(), effort: 1, seed: 0 }
+        Self { planner: "tmstc-star".to_owned(), effort: 1, seed: 0, mcfs: mcfs::McfsOptions::default() }
     }
 }
 
@@ -234,7 +238,7 @@ mod tests {
             for planner in PLANNERS {
                 let options = PlanOptions { planner: planner.name.to_owned(), ..PlanOptions::default() };
                 let planned = plan(&instance, &options);
-                if planner.name == "darp" && matches!(planned, Err(PlanError::Unsupported { .. })) {
+                if ["darp", "mcfs"].contains(&planner.name) && matches!(planned, Err(PlanError::Unsupported { .. })) {
                     continue;
                 }
                 prop_assert!(planned.is_ok(), "{}: {:?}", planner.name, planned);

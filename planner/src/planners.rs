@@ -2,6 +2,8 @@
 
 mod darp;
 mod forest_search;
+mod mcfs;
+mod mcfs_rest;
 mod mfc;
 mod msa_mtsp;
 mod mstc;
@@ -33,6 +35,7 @@ pub const PLANNERS: &[Planner] = &[
         is_slow: false,
         plan: tmstc_star::plan,
     },
+    Planner { name: "mcfs", paper: "Tang and Ma 2024; ours", is_slow: true, plan: mcfs::plan },
     Planner { name: "mfc", paper: "Zheng, Jain, Koenig and Kempe 2005", is_slow: false, plan: mfc::plan },
     Planner { name: "mstc-star", paper: "Tang, Sun and Zhang 2021", is_slow: false, plan: mstc_star::plan },
     Planner { name: "mstc", paper: "Hazon and Kaminka 2005", is_slow: false, plan: mstc::plan },

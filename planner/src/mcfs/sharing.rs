@@ -1,0 +1,384 @@
+//! Shares closed lines among robots: cut at any length by chords, then evened out between neighbours.
+//!
+//! ```text
+//!    ╭───────────╮          ╭───╮ ╭─────╮     a chord: two places of one line, side by side; exchanging
+//!    │ ╭───────╮ │    ──▶   │ ╭─╯ ╰───╮ │     the links there makes two closed lines of it
+//!    ╰─╯       ╰─╯          ╰─╯       ╰─╯
+//! ```
+//!
+//! First one share after the other is cut off. Then two neighbours at a time are joined where that costs least, and
+//! cut again where the longer of the two (line and drives there and back) is shortest: until nobody gains.
+
+use super::drive::{Drives, Neighbours};
+use super::walls::Walls;
+use super::web::{Exchange, Web};
+
+/// Pairs of shares closer than this part of their length are left as they are.
+const EVEN: f64 = 5e-4;
+/// Way that one radian of turning at a chord is worth, as a share of the tool's width: evenness counts more.
+const TURN_WORTH: f64 = 0.4;
+
+/// One robot's closed line.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Share {
+    pub(super) robot: usize,
+    pub(super) line: Vec<u32>,
+}
+
+/// All that is needed to cut and join.
+pub(super) struct Sharing<'a> {
+    pub(super) web: &'a mut Web,
+    pub(super) walls: &'a Walls,
+    pub(super) neighbours: &'a Neighbours,
+    /// Per robot; `None` when it reaches no place.
+    pub(super) drives: &'a [Option<Drives>],
+    /// Per robot: what smoothing will add to its way (mostly below 0), metres.
+    pub(super) corrections_m: Vec<f64>,
+}
+
+/// Where a line is cut in two: it goes on from position `first` right after position `last`.
+#[derive(Debug, Clone, Copy)]
+struct Chord {
+    first: usize,
+    last: usize,
+    inner_m: f64,
+    outer_m: f64,
+    score_m: f64,
+    inner_robot: usize,
+    outer_robot: usize,
+}
+
+impl Sharing<'_> {
+    /// Evens out until nobody gains, or for so many rounds.
+    pub(super) fn settle(&mut self, shares: &mut [Share], rounds: usize) {
+        for _ in 0..rounds {
+            if !self.even_out(shares) {
+                break;
+            }
+        }
+    }
+
+    /// Cuts one share after the other off a line.
+    pub(super) fn peel(&mut self, line: Vec<u32>, mut robots: Vec<usize>) -> Vec<Share> {
+        let mut shares = Vec::new();
+        let mut rest = line;
+        while robots.len() > 1 {
+            let Some(chord) = self.best_peel(&rest, &robots) else { break };
+            let (inner, outer) = self.cut(&rest, chord);
+            robots.retain(|&robot| robot != chord.inner_robot);
+            shares.push(Share { robot: chord.inner_robot, line: inner });
+            rest = outer;
+        }
+        shares.push(Share { robot: robots[0], line: rest });
+        shares
+    }
+
+    /// The chord that cuts off a fair share for some robot.
+    fn best_peel(&self, line: &[u32], robots: &[usize]) -> Option<Chord> {
+        let ruler = Ruler::new(self, line, robots);
+        let drives_m: f64 = (0..robots.len()).map(|slot| 2.0 * ruler.whole_m(slot)).sum();
+        let fair_m = (ruler.length_m() + drives_m) / robots.len() as f64;
+        self.best_chord(line, &ruler, |cutting| {
+            let rest_m = fair_m * (robots.len() - 1) as f64;
+            let mut best: Option<(f64, usize, usize)> = None;
+            for slot in 0..robots.len() {
+                let there_m = cutting.inner_cost_m(slot);
+                let others = (0..robots.len()).filter(|&other| other != slot);
+                let drives_m: f64 = others.map(|other| cutting.outer_cost_m(other) - cutting.outer_m).sum();
+                let rest_need_m = cutting.outer_m + drives_m;
+                let worst = (there_m / fair_m).max(rest_need_m / rest_m) * fair_m;
+                if best.is_none_or(|(least, ..)| worst < least) {
+                    best = Some((worst, robots[slot], usize::MAX));
+                }
+            }
+            best
+        })
+    }
+
+    /// Joins and cuts again pairs of neighbours; whether anything got better.
+    fn even_out(&mut self, shares: &mut [Share]) -> bool {
+        let mut better = false;
+        let mut order: Vec<(usize, usize)> =
+            (0..shares.len()).flat_map(|a| (0..a).map(move |b| (b, a))).collect();
+        let costs: Vec<f64> = shares.iter().map(|share| self.cost_m(share)).collect();
+        order.sort_by(|&(a, b), &(c, d)| costs[c].max(costs[d]).total_cmp(&costs[a].max(costs[b])));
+        for (a, b) in order {
+            better |= self.even_pair(shares, a, b);
+            let (longer, shorter) =
+                if self.cost_m(&shares[a]) >= self.cost_m(&shares[b]) { (a, b) } else { (b, a) };
+            better |= self.hand_over(shares, longer, shorter);
+        }
+        better
+    }
+
+    /// Cuts a part off one share and joins it to another one.
+    fn hand_over(&mut self, shares: &mut [Share], from: usize, to: usize) -> bool {
+        let before_m = [self.cost_m(&shares[from]), self.cost_m(&shares[to])];
+        if before_m[0] - before_m[1] < EVEN * before_m[0] {
+            return false;
+        }
+        let (giver, taker) = (shares[from].clone(), shares[to].clone());
+        let touching = self.touching(&giver.line, &taker.line);
+        if touching.last() == Some(&0) {
+            return false;
+        }
+        let ruler = Ruler::new(self, &giver.line, &[giver.robot]);
+        // The robot of the part that is kept is the giver's; of the part given none yet.
+        let chord = self.best_chord(&giver.line, &ruler, |cutting| {
+            let touches_inside = touching[cutting.last + 1] - touching[cutting.first];
+            let touches_outside = touching[giver.line.len()] - touches_inside;
+            let give_inner = cutting.outer_cost_m(0).max(before_m[1] + cutting.inner_m);
+            let give_outer = cutting.inner_cost_m(0).max(before_m[1] + cutting.outer_m);
+            let inner = (touches_inside > 0).then_some((give_inner, usize::MAX, giver.robot));
+            let outer = (touches_outside > 0).then_some((give_outer, giver.robot, usize::MAX));
+            [inner, outer].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0))
+        });
+        let Some(chord) = chord.filter(|chord| chord.score_m < before_m[0]) else { return false };
+        let (inner, outer) = self.cut(&giver.line, chord);
+        let (kept, given) = if chord.inner_robot == giver.robot { (inner, outer) } else { (outer, inner) };
+        if let Some(exchange) = self.best_join(&given, &taker.line) {
+            self.web.apply(exchange);
+            let kept = Share { robot: giver.robot, line: kept };
+            let grown = Share { robot: taker.robot, line: self.web.closed_line(exchange.one.0) };
+            if self.cost_m(&kept).max(self.cost_m(&grown)) < before_m[0] * (1.0 - EVEN / 4.0) {
+                (shares[from], shares[to]) = (kept, grown);
+                return true;
+            }
+            self.web.apply(exchange.undone());
+        }
+        self.undo(&giver.line, chord);
+        false
+    }
+
+    /// Up to each position of a line, how many places lie beside another line.
+    fn touching(&self, line: &[u32], other: &[u32]) -> Vec<u32> {
+        let is_other = self.marks(other);
+        let mut touching = vec![0];
+        for &place in line {
+            let touches = self.neighbours.of(place).iter().any(|&beside| is_other[beside as usize]);
+            touching.push(touching[touching.len() - 1] + u32::from(touches));
+        }
+        touching
+    }
+
+    fn marks(&self, line: &[u32]) -> Vec<bool> {
+        let mut marks = vec![false; self.web.len()];
+        line.iter().for_each(|&place| marks[place as usize] = true);
+        marks
+    }
+
+    fn even_pair(&mut self, shares: &mut [Share], a: usize, b: usize) -> bool {
+        let before_m = [self.cost_m(&shares[a]), self.cost_m(&shares[b])];
+        let (most_m, least_m) = (before_m[0].max(before_m[1]), before_m[0].min(before_m[1]));
+        if most_m - least_m < EVEN * most_m {
+            return false;
+        }
+        let Some(exchange) = self.best_join(&shares[a].line, &shares[b].line) else { return false };
+        let (one, other) = (shares[a].clone(), shares[b].clone());
+        self.web.apply(exchange);
+        let line = self.web.closed_line(exchange.one.0);
+        let robots = [one.robot, other.robot];
+        let ruler = Ruler::new(self, &line, &robots);
+        let chord = self.best_chord(&line, &ruler, |cutting| {
+            let straight = cutting.inner_cost_m(0).max(cutting.outer_cost_m(1));
+            let swapped = cutting.inner_cost_m(1).max(cutting.outer_cost_m(0));
+            let best = if straight <= swapped {
+                (straight, robots[0], robots[1])
+            } else {
+                (swapped, robots[1], robots[0])
+            };
+            Some(best)
+        });
+        if let Some(chord) = chord {
+            let (inner, outer) = self.cut(&line, chord);
+            let pair = [
+                Share { robot: chord.inner_robot, line: inner },
+                Share { robot: chord.outer_robot, line: outer },
+            ];
+            let after_m = pair.each_ref().map(|share| self.cost_m(share));
+            if after_m[0].max(after_m[1]) < most_m * (1.0 - EVEN / 4.0) {
+                [shares[a], shares[b]] = pair;
+                return true;
+            }
+            self.undo(&line, chord);
+        }
+        self.web.apply(exchange.undone());
+        false
+    }
+
+    /// Line and drives of a share, metres.
+    pub(super) fn cost_m(&self, share: &Share) -> f64 {
+        let line = &share.line;
+        let next = line.iter().cycle().skip(1);
+        let line_m: f64 = line.iter().zip(next).map(|(&a, &b)| self.web.distance_m(a, b)).sum();
+        line_m + 2.0 * self.drive_m(share.robot, line) + self.corrections_m[share.robot]
+    }
+
+    pub(super) fn drive_m(&self, robot: usize, line: &[u32]) -> f64 {
+        let Some(drives) = &self.drives[robot] else { return f64::INFINITY };
+        line.iter().map(|&place| drives.distance_m[place as usize]).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The cheapest exchange that joins two lines.
+    fn best_join(&self, one: &[u32], other: &[u32]) -> Option<Exchange> {
+        let is_other = self.marks(other);
+        let pairs = one.iter().flat_map(|&place| {
+            let beside = self.neighbours.of(place).iter().filter(|&&beside| is_other[beside as usize]);
+            beside.flat_map(move |&beside| super::joining::exchanges(self.web, place, beside))
+        });
+        let reach_m = 1.6 * self.web.width_m;
+        pairs
+            .filter(|exchange| super::joining::may_pay(self.web, *exchange, reach_m))
+            .map(|exchange| (self.web.cost(exchange).value_m(self.web.width_m), exchange))
+            .filter(|(_, exchange)| self.web.allows(*exchange, self.walls))
+            .min_by(|(a, x), (b, y)| a.total_cmp(b).then(x.cmp(y)))
+            .map(|(_, exchange)| exchange)
+    }
+
+    /// The chord with the least score; `judge` says makespan, robot inside and robot outside from the two lengths and
+    /// the drives of each robot to either.
+    fn best_chord(
+        &self,
+        line: &[u32],
+        ruler: &Ruler,
+        judge: impl Fn(&Cutting<'_>) -> Option<(f64, usize, usize)>,
+    ) -> Option<Chord> {
+        let mut position = vec![u32::MAX; self.web.len()];
+        line.iter().enumerate().for_each(|(at, &place)| position[place as usize] = at as u32);
+        let mut best: Option<Chord> = None;
+        for (before_first, &place) in line.iter().enumerate() {
+            for &beside in self.neighbours.of(place) {
+                let after_last = position[beside as usize];
+                if after_last == u32::MAX || (after_last as usize) < before_first + 4 {
+                    continue;
+                }
+                let (first, last) = (before_first + 1, after_last as usize - 1);
+                let exchange = exchange_of(line, first, last);
+                let closing_m = self.web.distance_m(line[last], line[first]);
+                let passing_m = self.web.distance_m(place, beside);
+                if closing_m > 2.5 * self.web.width_m {
+                    continue;
+                }
+                let inner_m = ruler.between_m(first, last) + closing_m;
+                let outer_m =
+                    ruler.length_m() - ruler.between_m(before_first, after_last as usize) + passing_m;
+                let cutting = Cutting { ruler, first, last, inner_m, outer_m };
+                let Some((worst_m, inner_robot, outer_robot)) = judge(&cutting) else { continue };
+                if best.is_some_and(|best| worst_m >= best.score_m) {
+                    continue;
+                }
+                let turn_m = TURN_WORTH * self.web.width_m * self.web.cost(exchange).turn_rad;
+                let score_m = worst_m + turn_m.max(0.0);
+                if best.is_none_or(|best| score_m < best.score_m) && self.web.allows(exchange, self.walls) {
+                    best = Some(Chord { first, last, inner_m, outer_m, score_m, inner_robot, outer_robot });
+                }
+            }
+        }
+        best
+    }
+
+    fn cut(&mut self, line: &[u32], chord: Chord) -> (Vec<u32>, Vec<u32>) {
+        debug_assert!(chord.inner_m + chord.outer_m > 0.0);
+        self.web.apply(exchange_of(line, chord.first, chord.last));
+        let inner = line[chord.first..=chord.last].to_vec();
+        let outer = [&line[chord.last + 1..], &line[..chord.first]].concat();
+        (inner, outer)
+    }
+
+    fn undo(&mut self, line: &[u32], chord: Chord) {
+        self.web.apply(exchange_of(line, chord.first, chord.last).undone());
+    }
+}
+
+/// A chord while it is judged.
+struct Cutting<'a> {
+    ruler: &'a Ruler,
+    first: usize,
+    last: usize,
+    inner_m: f64,
+    outer_m: f64,
+}
+
+impl Cutting<'_> {
+    /// The part within and the drives of a robot there and back, metres.
+    fn inner_cost_m(&self, slot: usize) -> f64 {
+        self.inner_m + self.ruler.corrections_m[slot] + 2.0 * self.ruler.inside_m(slot, self.first, self.last)
+    }
+
+    fn outer_cost_m(&self, slot: usize) -> f64 {
+        self.outer_m
+            + self.ruler.corrections_m[slot]
+            + 2.0 * self.ruler.outside_m(slot, self.first, self.last)
+    }
+}
+
+/// Cuts `first..=last` out of a line: its ends are linked, and what lies around them.
+fn exchange_of(line: &[u32], first: usize, last: usize) -> Exchange {
+    let (before, after) = (line[(first + line.len() - 1) % line.len()], line[(last + 1) % line.len()]);
+    Exchange { one: (before, line[first]), other: (after, line[last]) }
+}
+
+/// Lengths along a line and the shortest drives to any part of it.
+struct Ruler {
+    up_to_m: Vec<f64>,
+    /// Per robot: shortest drive to each stretch of 2^level places.
+    drives_m: Vec<Vec<Vec<f64>>>,
+    corrections_m: Vec<f64>,
+    places: usize,
+}
+
+impl Ruler {
+    fn new(sharing: &Sharing<'_>, line: &[u32], robots: &[usize]) -> Self {
+        let mut up_to_m = vec![0.0];
+        for (at, &place) in line.iter().enumerate() {
+            let next = line[(at + 1) % line.len()];
+            up_to_m.push(up_to_m[at] + sharing.web.distance_m(place, next));
+        }
+        let drives_m = robots.iter().map(|&robot| minima(sharing, line, robot)).collect();
+        let corrections_m = robots.iter().map(|&robot| sharing.corrections_m[robot]).collect();
+        Self { up_to_m, drives_m, corrections_m, places: line.len() }
+    }
+
+    fn length_m(&self) -> f64 {
+        self.up_to_m[self.places]
+    }
+
+    fn between_m(&self, first: usize, last: usize) -> f64 {
+        self.up_to_m[last] - self.up_to_m[first]
+    }
+
+    fn whole_m(&self, slot: usize) -> f64 {
+        self.inside_m(slot, 0, self.places - 1)
+    }
+
+    fn inside_m(&self, slot: usize, first: usize, last: usize) -> f64 {
+        let count = last + 1 - first;
+        let level = count.ilog2() as usize;
+        let stretches = &self.drives_m[slot][level];
+        stretches[first].min(stretches[last + 1 - (1 << level)])
+    }
+
+    fn outside_m(&self, slot: usize, first: usize, last: usize) -> f64 {
+        let before = if first > 0 { self.inside_m(slot, 0, first - 1) } else { f64::INFINITY };
+        let after = if last + 1 < self.places {
+            self.inside_m(slot, last + 1, self.places - 1)
+        } else {
+            f64::INFINITY
+        };
+        before.min(after)
+    }
+}
+
+fn minima(sharing: &Sharing<'_>, line: &[u32], robot: usize) -> Vec<Vec<f64>> {
+    let drive = |&place: &u32| {
+        sharing.drives[robot].as_ref().map_or(f64::INFINITY, |drives| drives.distance_m[place as usize])
+    };
+    let mut levels: Vec<Vec<f64>> = vec![line.iter().map(drive).collect()];
+    let mut half = 1;
+    while 2 * half <= line.len() {
+        let below = &levels[levels.len() - 1];
+        levels.push((0..=line.len() - 2 * half).map(|at| below[at].min(below[at + half])).collect());
+        half *= 2;
+    }
+    levels
+}

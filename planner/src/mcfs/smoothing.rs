@@ -1,0 +1,184 @@
+//! Makes lines shorter and smoother where the ground stays swept: joints become slants, corners bends.
+//!
+//! A stretch between two points of a line is replaced by the straight way, or by the one corner where the headings
+//! before and after meet, when way + turning + ground no longer swept, all in metres of way, becomes less. Stretches
+//! next to each other give way to each other in turn, so that the jogs of neighbouring arms become parallel slants:
+//! a spiral.
+
+use super::joint::turn_rad;
+use super::swept_counts::SweptCounts;
+use super::walls::Walls;
+use terrain::Point;
+
+/// Numbers of points between the ends of the stretches that are tried.
+const STRETCHES: [usize; 8] = [1, 2, 3, 4, 6, 8, 11, LONGEST];
+const LONGEST: usize = 15;
+/// The least gain that counts, in widths of the tool.
+const LEAST_GAIN: f64 = 1e-3;
+/// Share of the area cut off that is surely lost.
+const LIKELY_LOSS: f64 = 0.2;
+/// Way that one radian of turning is worth, as a share of the tool's width.
+const TURN_WORTH: f64 = 0.5;
+const SWEEPS: usize = 3;
+
+pub(super) struct Smoothing<'a> {
+    pub(super) swept: &'a mut SweptCounts,
+    pub(super) walls: &'a Walls,
+    pub(super) width_m: f64,
+    /// How much more ground is worth than the way that sweeps it.
+    pub(super) ground_worth: f64,
+}
+
+impl Smoothing<'_> {
+    /// Smooths the lines that are new; first and last points stay.
+    pub(super) fn smooth(&mut self, lines: &mut [Vec<Point>], is_new: &[bool]) {
+        let new: Vec<usize> = (0..lines.len()).filter(|&line| is_new[line]).collect();
+        let mut quiet: Vec<Vec<bool>> = lines.iter().map(|line| vec![false; line.len()]).collect();
+        for _ in 0..SWEEPS {
+            let mut changed = false;
+            for &line in &new {
+                changed |= self.sweep(&mut lines[line], &mut quiet[line]);
+            }
+            if !changed {
+                break;
+            }
+        }
+    }
+
+    /// Tries every point that is not quiet: those at which there is nothing to try are, until something near changes.
+    fn sweep(&mut self, line: &mut Vec<Point>, quiet: &mut Vec<bool>) -> bool {
+        let mut changed = false;
+        let mut at = 0;
+        while at + 2 < line.len() {
+            if !quiet[at] {
+                let best = self.best_shortcut(line, at);
+                quiet[at] = best.is_none();
+                if let Some(best) = best.filter(|best| self.try_out(line, best)) {
+                    quiet.splice(best.from + 1..best.to, best.corner.map(|_| false));
+                    let last = (at + STRETCHES[0] + 1).min(quiet.len() - 1);
+                    quiet[at.saturating_sub(LONGEST)..=last].fill(false);
+                    changed = true;
+                }
+            }
+            at += 1;
+        }
+        changed
+    }
+
+    /// What saves most way and turning when it stands in for the points after one: nothing, or one corner.
+    fn best_shortcut(&self, line: &[Point], from: usize) -> Option<Shortcut> {
+        let turn_m = TURN_WORTH * self.width_m;
+        let mut best: Option<Shortcut> = None;
+        // Way and turning of the points so far, up to and with the turn at the last of them.
+        let mut old_m = turn_at(line, from) * turn_m;
+        let mut tried = STRETCHES.iter().peekable();
+        for to in from + 1..line.len() {
+            old_m += (line[to] - line[to - 1]).norm() + turn_at(line, to) * turn_m;
+            let Some(&&count) = tried.peek() else { break };
+            if to != from + count + 1 {
+                continue;
+            }
+            tried.next();
+            let straight = Shortcut { from, to, corner: None, way_gain_m: 0.0, promise_m: 0.0 };
+            let bend = corner(line, from, to, 4.0 * self.width_m)
+                .map(|corner| Shortcut { corner: Some(corner), ..straight });
+            for shortcut in std::iter::once(straight).chain(bend) {
+                let way_gain_m = old_m - self.new_cost_m(line, &shortcut, turn_m);
+                let promise_m = way_gain_m - self.likely_loss_m(line, &shortcut);
+                let least_m = best.map_or(LEAST_GAIN * self.width_m, |best| best.promise_m);
+                if promise_m > least_m {
+                    best = Some(Shortcut { way_gain_m, promise_m, ..shortcut });
+                }
+            }
+        }
+        best
+    }
+
+    /// A cautious guess at the ground that a shortcut loses, in metres of way: part of the area it cuts off.
+    fn likely_loss_m(&self, line: &[Point], shortcut: &Shortcut) -> f64 {
+        let old =
+            line[shortcut.from..=shortcut.to].windows(2).map(|pair| pair[0].coords.perp(&pair[1].coords));
+        let (a, b) = (line[shortcut.from].coords, line[shortcut.to].coords);
+        let new = match shortcut.corner {
+            Some(corner) => b.perp(&corner.coords) + corner.coords.perp(&a),
+            None => b.perp(&a),
+        };
+        let cut_off_m2 = 0.5 * (old.sum::<f64>() + new).abs();
+        LIKELY_LOSS * self.ground_worth * cut_off_m2 / self.width_m
+    }
+
+    fn new_cost_m(&self, line: &[Point], shortcut: &Shortcut, turn_m: f64) -> f64 {
+        let (a, b) = (line[shortcut.from], line[shortcut.to]);
+        let (first, last) = (shortcut.corner.unwrap_or(b), shortcut.corner.unwrap_or(a));
+        let before = shortcut.from.checked_sub(1).map(|at| a - line[at]);
+        let after = line.get(shortcut.to + 1).map(|next| next - b);
+        let turn = |from: Option<terrain::Vector>, to: Option<terrain::Vector>| match (from, to) {
+            (Some(from), Some(to)) => turn_rad(from, to),
+            _ => 0.0,
+        };
+        let mut turns = turn(before, Some(first - a)) + turn(Some(b - last), after);
+        let mut way_m = (first - a).norm();
+        if let Some(corner) = shortcut.corner {
+            turns += turn_rad(corner - a, b - corner);
+            way_m += (b - corner).norm();
+        }
+        way_m + turns * turn_m
+    }
+
+    /// Puts a shortcut in, and takes it out again when too much ground is lost.
+    fn try_out(&mut self, line: &mut Vec<Point>, shortcut: &Shortcut) -> bool {
+        let Shortcut { from, to, .. } = *shortcut;
+        let new: Vec<Point> = [line[from]].into_iter().chain(shortcut.corner).chain([line[to]]).collect();
+        if !new.windows(2).all(|pair| self.walls.is_clear(pair[0], pair[1])) {
+            return false;
+        }
+        let before_m2 = self.swept.unswept_m2();
+        self.exchange(&line[from..=to], &new);
+        let lost_m = (self.swept.unswept_m2() - before_m2) / self.width_m * self.ground_worth;
+        if lost_m < shortcut.way_gain_m - LEAST_GAIN * self.width_m {
+            line.splice(from + 1..to, shortcut.corner);
+            return true;
+        }
+        self.exchange(&new, &line[from..=to]);
+        false
+    }
+
+    fn exchange(&mut self, old: &[Point], new: &[Point]) {
+        new.windows(2).for_each(|pair| self.swept.put_in(pair[0], pair[1]));
+        old.windows(2).for_each(|pair| self.swept.take_out(pair[0], pair[1]));
+    }
+}
+
+/// A stretch of a line and what stands in for it.
+#[derive(Debug, Clone, Copy)]
+struct Shortcut {
+    from: usize,
+    to: usize,
+    corner: Option<Point>,
+    way_gain_m: f64,
+    promise_m: f64,
+}
+
+/// Where the heading before `from` meets the one after `to`, if that is ahead and near.
+fn corner(line: &[Point], from: usize, to: usize, reach_m: f64) -> Option<Point> {
+    let (before, after) = (from.checked_sub(1)?, line.get(to + 1)?);
+    let (heading, leaving) = (line[from] - line[before], *after - line[to]);
+    let cross = heading.perp(&leaving);
+    if cross.abs() < 0.1 * heading.norm() * leaving.norm() {
+        return None;
+    }
+    let apart = line[to] - line[from];
+    let (ahead, behind) = (apart.perp(&leaving) / cross, heading.perp(&apart) / cross);
+    let fits =
+        ahead > 0.0 && behind > 0.0 && ahead * heading.norm() < reach_m && behind * leaving.norm() < reach_m;
+    fits.then(|| line[from] + heading * ahead)
+}
+
+/// The size of the turn at a point of a line; none at its ends.
+fn turn_at(line: &[Point], at: usize) -> f64 {
+    if at == 0 || at + 1 >= line.len() {
+        0.0
+    } else {
+        turn_rad(line[at] - line[at - 1], line[at + 1] - line[at])
+    }
+}

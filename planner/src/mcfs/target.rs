@@ -1,0 +1,80 @@
+//! Sweeps a given share of the ground: what costs most way for its ground is left out first.
+//!
+//! Thin loops in the middle of pockets sweep much that is swept already: they go first. Then the tracks move away from
+//! the walls: the outermost ones get shorter, and the ground lost is a rim of even width. How far is found by trial.
+
+use super::swept_counts::SweptCounts;
+use super::tracks::{self, Track};
+use super::{Cover, McfsOptions, PolygonInstance, lines_along};
+use geo::{Euclidean, Length};
+use terrain::Point;
+
+/// Tracks that sweep less new ground than this share of way × width are left out: each is tried.
+const LEAST_YIELDS: [f64; 4] = [0.9, 0.8, 0.5, 0.0];
+/// How much more ground is worth than the way that sweeps it.
+const GROUND_WORTH: f64 = 2.0;
+/// Distances from the walls that are tried.
+const TRIALS: usize = 6;
+/// The raster may be so far off.
+const RASTER_ERROR: f64 = 5e-4;
+
+/// The best cover found that sweeps at least `target` of the ground; with all tracks when none does.
+pub(super) fn cover_share(instance: &PolygonInstance, options: &McfsOptions, target: f64) -> Option<Cover> {
+    let covers = LEAST_YIELDS.into_iter().filter_map(|yields| search(instance, options, target, yields));
+    let best = covers.min_by(|a, b| a.makespan_m().total_cmp(&b.makespan_m()));
+    best.or_else(|| super::whole(instance, options))
+}
+
+/// Moves the tracks away from the walls until just enough is swept.
+fn search(instance: &PolygonInstance, options: &McfsOptions, target: f64, least_yield: f64) -> Option<Cover> {
+    let least_m = tracks::first_distance_m(instance);
+    let rim_m: f64 = instance.rings().map(|(_, ring)| Euclidean.length(ring)).sum();
+    let (mut enough, mut too_far) = (None::<(f64, f64)>, None::<(f64, f64)>);
+    let (mut first_m, mut best) = (least_m, None::<Cover>);
+    for _ in 0..TRIALS {
+        let tracks = worthwhile(instance, tracks::tracks(instance, first_m), least_yield);
+        let Some(cover) = lines_along(instance, options, &tracks, GROUND_WORTH) else { break };
+        let spare = cover.coverage - target - RASTER_ERROR;
+        if spare >= 0.0 {
+            enough = Some((first_m, spare));
+            if best.as_ref().is_none_or(|best| cover.makespan_m() < best.makespan_m()) {
+                best = Some(cover);
+            }
+        } else {
+            too_far = Some((first_m, spare));
+        }
+        first_m = match (enough, too_far) {
+            (Some(enough), Some(too_far)) => between(enough, too_far),
+            (Some((near_m, spare)), None) => near_m + spare * instance.area_m2() / rim_m,
+            (None, _) => break,
+        };
+    }
+    best
+}
+
+/// Where the spare coverage is likely to be gone, well within the two ends.
+fn between((near_m, spare): (f64, f64), (far_m, lack): (f64, f64)) -> f64 {
+    near_m + (far_m - near_m) * (spare / (spare - lack)).clamp(0.2, 0.8)
+}
+
+/// The tracks whose own ground is worth their way.
+fn worthwhile(instance: &PolygonInstance, tracks: Vec<Track>, least_yield: f64) -> Vec<Track> {
+    let width_m = instance.tool_width_m;
+    let mut swept = SweptCounts::new(&instance.ground, width_m);
+    let links = |track: &Track| -> Vec<(Point, Point)> {
+        let next = track.corners.iter().cycle().skip(1);
+        track.corners.iter().copied().zip(next.copied()).collect()
+    };
+    tracks.iter().flat_map(links).for_each(|(from, to)| swept.put_in(from, to));
+    let mut kept = Vec::new();
+    for track in tracks.into_iter().rev() {
+        let before_m2 = swept.unswept_m2();
+        links(&track).into_iter().for_each(|(from, to)| swept.take_out(from, to));
+        if swept.unswept_m2() - before_m2 >= least_yield * width_m * track.length_m() {
+            links(&track).into_iter().for_each(|(from, to)| swept.put_in(from, to));
+            kept.push(track);
+        }
+    }
+    kept.reverse();
+    kept
+}

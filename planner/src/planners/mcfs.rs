@@ -1,0 +1,178 @@
+//! `mcfs` on a floor with a map: its free ground as polygons, covered by smooth lines.
+//!
+//! The polygons are those of [`crate::mcfs`]. What the lines leave (passages narrower than the tool, corners) is
+//! visited along the lattice: a detour from the nearest route, out and back.
+
+use super::mcfs_rest::visit_rest;
+use crate::isograph::{SpiralError, SpiralOptions, plan_spirals};
+use crate::mcfs::{PolygonInstance, cover_ground};
+use crate::{Instance, Mode, Plan, PlanError, PlanOptions, Route};
+use geo::{BooleanOps, Contains, Coord, MultiPolygon, Polygon, Rect};
+use terrain::{GridMap, Point};
+
+pub(crate) fn plan(instance: &Instance<'_>, options: &PlanOptions) -> Result<Plan, PlanError> {
+    let refused = |reason: &str| PlanError::Unsupported { planner: "mcfs", reason: reason.to_owned() };
+    let map =
+        instance.floor.map().ok_or_else(|| refused("the floor has no map whose walls can be followed"))?;
+    if instance.weights.is_some() {
+        return Err(refused("ground of different speeds is not known to smooth lines"));
+    }
+    if instance.visit != instance.reachable() {
+        return Err(refused("only part of the ground is to be covered; a grid planner can"));
+    }
+    let places: Vec<Point> = instance.starts.iter().map(|start| instance.place(start)).collect();
+    let mut routes: Vec<Route> = places.iter().map(|&place| Route { points: vec![place] }).collect();
+    for part in open_ground(instance, map) {
+        cover_part(instance, part, &places, options, &mut routes)?;
+    }
+    if instance.mode == Mode::Cover {
+        // No need to come back: what this leaves is visited below.
+        routes.iter_mut().filter(|route| route.points.len() > 2).for_each(|route| {
+            route.points.pop();
+        });
+    }
+    visit_rest(instance, &mut routes);
+    Ok(Plan { routes })
+}
+
+fn cover_part(
+    instance: &Instance<'_>,
+    part: Polygon<f64>,
+    places: &[Point],
+    options: &PlanOptions,
+    routes: &mut [Route],
+) -> Result<(), PlanError> {
+    let stands = |&robot: &usize| part.contains(&Coord { x: places[robot].x, y: places[robot].y });
+    let robots: Vec<usize> = (0..places.len()).filter(stands).collect();
+    let polygon = PolygonInstance {
+        ground: part,
+        tool_width_m: instance.floor.tool_width_m(),
+        body_radius_m: instance.floor.body_radius_m(),
+        starts: robots.iter().map(|&robot| places[robot]).collect(),
+    };
+    if robots.is_empty() {
+        return Ok(());
+    }
+    for (robot, line) in robots.into_iter().zip(lines(&polygon, options)?) {
+        routes[robot].points = line;
+    }
+    Ok(())
+}
+
+/// One closed line per robot: by our pipeline, or by the paper's where that was asked for.
+fn lines(polygon: &PolygonInstance, options: &PlanOptions) -> Result<Vec<Vec<Point>>, PlanError> {
+    let Some(paper) = &options.mcfs.paper else { return Ok(cover_ground(polygon, &options.mcfs)) };
+    let chosen = SpiralOptions { effort: options.effort, seed: options.seed, ..paper.clone() };
+    let spirals = plan_spirals(polygon, &chosen);
+    let refused = |error: SpiralError| PlanError::Unsupported { planner: "mcfs", reason: error.to_string() };
+    spirals.map(|spirals| spirals.round_trips()).map_err(refused)
+}
+
+/// The free squares of the map that lie in no blocked cell, as polygons.
+fn open_ground(instance: &Instance<'_>, map: &GridMap) -> MultiPolygon<f64> {
+    let square_m = map.resolution_m();
+    let rows = (0..i64::from(map.rows())).flat_map(|y| runs(map, y).into_iter().map(move |run| (y, run)));
+    let corner = |x: i64, y: i64| Coord {
+        x: map.origin().x + x as f64 * square_m,
+        y: map.origin().y + y as f64 * square_m,
+    };
+    let free: Vec<Polygon<f64>> =
+        rows.map(|(y, (from, to))| Rect::new(corner(from, y), corner(to, y + 1)).to_polygon()).collect();
+    let lattice = instance.floor.lattice();
+    let half = lattice.cell_m / 2.0;
+    let blocked = (0..lattice.len()).filter(|&index| instance.blocked[index]).map(|index| {
+        let center = lattice.center(lattice.cell(index));
+        let at = |x: f64, y: f64| Coord { x: center.x + x * half, y: center.y + y * half };
+        Rect::new(at(-1.0, -1.0), at(1.0, 1.0)).to_polygon()
+    });
+    let blocked: Vec<Polygon<f64>> = blocked.collect();
+    let open = geo::unary_union(&free);
+    if blocked.is_empty() { open } else { open.difference(&geo::unary_union(&blocked)) }
+}
+
+/// The runs of free squares in a row: from the first one up to the one after the last.
+fn runs(map: &GridMap, y: i64) -> Vec<(i64, i64)> {
+    let mut runs: Vec<(i64, i64)> = Vec::new();
+    for x in (0..i64::from(map.columns())).filter(|&x| map.is_free(x, y)) {
+        match runs.last_mut() {
+            Some((_, to)) if *to == x => *to += 1,
+            _ => runs.push((x, x + 1)),
+        }
+    }
+    runs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{PlanError, Start, plan as planned};
+    use terrain::{Floor, MotionModel};
+
+    const MOTION: MotionModel = MotionModel {
+        speed_m_per_s: 0.5,
+        acceleration_m_per_s2: 0.6,
+        angular_speed_rad_per_s: 0.8,
+        angular_acceleration_rad_per_s2: f64::INFINITY,
+        brakes: true,
+    };
+
+    /// Two rooms with a pillar, a door, and a corridor that only the body fits into.
+    const ROOMS: &str = "\
+        ....................\n\
+        ....................\n\
+        ..........#.........\n\
+        ....##....#.........\n\
+        ....##....#.........\n\
+        ..........#.........\n\
+        ..........#########.\n\
+        ..........#########.\n\
+        ....................";
+
+    fn floor(body_radius_m: f64) -> Floor {
+        let map = GridMap::from_drawing(ROOMS, 0.5).unwrap();
+        Floor::new(&map, 0.5, body_radius_m, 0.75).unwrap()
+    }
+
+    fn options() -> PlanOptions {
+        PlanOptions { planner: "mcfs".to_owned(), ..PlanOptions::default() }
+    }
+
+    fn instance(floor: &Floor, mode: Mode) -> Instance<'_> {
+        let cells: Vec<terrain::Cell> =
+            floor.lattice().cells().filter(|&cell| floor.cell_is_drivable(cell)).collect();
+        let starts = [cells[0], cells[cells.len() / 2]].map(Start::at).to_vec();
+        Instance::whole_floor(floor, starts, MOTION, mode)
+    }
+
+    #[test]
+    fn a_floor_with_narrow_ways_is_swept_whole() {
+        for body_radius_m in [0.2, 0.24] {
+            let floor = floor(body_radius_m);
+            for mode in [Mode::Cover, Mode::CoverAndReturn] {
+                let made = planned(&instance(&floor, mode), &options()).unwrap();
+                assert!(made.figures().coverage_ratio >= 0.99, "{:?}", made.figures());
+            }
+        }
+    }
+
+    #[test]
+    fn blocked_cells_are_driven_around() {
+        let floor = floor(0.2);
+        let mut instance = instance(&floor, Mode::CoverAndReturn);
+        let index = floor.lattice().index(terrain::Cell::new(2, 5)).unwrap();
+        instance.blocked[index] = true;
+        instance.visit = instance.reachable();
+        let made = planned(&instance, &options()).unwrap();
+        assert!(made.figures().coverage_ratio >= 0.99, "{:?}", made.figures());
+    }
+
+    #[test]
+    fn what_it_cannot_do_is_said() {
+        let floor = floor(0.2);
+        let mut instance = instance(&floor, Mode::Cover);
+        let first = instance.visit.iter().position(|&visit| visit).unwrap();
+        instance.visit[first] = false;
+        let refused = planned(&instance, &options());
+        assert!(matches!(refused, Err(PlanError::Unsupported { planner: "mcfs", .. })), "{refused:?}");
+    }
+}
