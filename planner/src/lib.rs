@@ -5,6 +5,7 @@
 //! runs one planner of the table [`PLANNERS`] and then [`verify()`], which knows nothing of how a plan is made.
 //! No clock, no files, no network, no global randomness: same instance and seed, same plan.
 
+mod battery;
 mod block_trees;
 mod bricks;
 mod circumnavigation;
@@ -16,12 +17,14 @@ mod lower_bound;
 mod matching;
 mod plan;
 pub mod planners;
+mod recharging;
 mod repair;
 mod shortest_way;
 mod spanning_graph;
 mod spanning_trees;
 mod verify;
 
+pub use battery::{Battery, BreakOff, Station};
 pub use edge_weights::EdgeWeights;
 pub use instance::{Instance, InstanceError, Mode, Start};
 pub use lower_bound::lower_bound_s;
@@ -30,7 +33,7 @@ pub use planners::{PLANNERS, Planner};
 pub use spanning_trees::{TREES, Tree, tree_turns};
 pub use verify::{Figures, VerifyError, verify};
 
-use terrain::Cell;
+use terrain::{Cell, Point};
 use thiserror::Error;
 
 /// How to plan.
@@ -62,6 +65,21 @@ pub enum PlanError {
     /// No robot can get to this cell.
     #[error("cell {0} cannot be reached by any robot")]
     Unreachable(Cell),
+    /// A place that the battery does not last for.
+    #[error(
+        "the battery does not last to cell {cell} at {place} and on to a station: it lasts {capacity_s:.0} s, \
+         {needed_s:.0} s are needed; give a larger capacity or a nearer station"
+    )]
+    OutOfRange {
+        /// The cell.
+        cell: Cell,
+        /// The place in it.
+        place: Point,
+        /// What a full battery gives.
+        capacity_s: f64,
+        /// What the trip takes, with the reserve.
+        needed_s: f64,
+    },
     /// The planner made a plan that does not stand the test: our bug.
     #[error("the plan of `{planner}` does not hold: {source}")]
     Refuted {
@@ -110,6 +128,7 @@ fn checked(
     planner: &'static str,
 ) -> Result<VerifiedPlan, PlanError> {
     begin_where_robots_stand(instance, &mut plan);
+    let plan = recharging::with_charges(instance, plan)?;
     let figures = verify(instance, &plan).map_err(|source| PlanError::Refuted { planner, source })?;
     Ok(VerifiedPlan::new(plan, figures, planner))
 }
