@@ -9,6 +9,7 @@ mod battery;
 mod block_trees;
 mod bricks;
 mod circumnavigation;
+mod configuration_space;
 mod disjoint_sets;
 mod division;
 mod edge_weights;
@@ -22,6 +23,7 @@ mod repair;
 mod shortest_way;
 mod spanning_graph;
 mod spanning_trees;
+mod transfers;
 mod verify;
 
 pub use battery::{Battery, BreakOff, Station};
