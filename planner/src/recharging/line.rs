@@ -29,7 +29,7 @@ impl<'a> Line<'a> {
         instance: &'a Instance<'a>,
         robot: usize,
         points: &[Point],
-        homeward: &Homeward<'a>,
+        homeward: &mut dyn Homeward,
         work: &mut Work<'a>,
     ) -> Self {
         let apart_m = match work.is_along_lattice() {
@@ -39,8 +39,8 @@ impl<'a> Line<'a> {
         let (points, is_between) = with_points_between(points, apart_m);
         let works = work.drive(&points);
         let stations = 0..instance.stations.len();
-        let ways = |&point: &Point| stations.clone().map(|station| homeward.way(point, station)).collect();
-        let ways = points.iter().map(ways).collect();
+        let mut ways = |&point: &Point| stations.clone().map(|station| homeward.way(point, station)).collect();
+        let ways = points.iter().map(&mut ways).collect();
         Self { instance, robot, works, ways, points, is_between }
     }
 
