@@ -27,12 +27,9 @@ mod links;
 mod ruin_recreate;
 mod stretches;
 
-pub(crate) use stretches::Stretch;
+pub(crate) use stretches::{Stretch, in_parts};
 
-use crate::{
-    Instance, Mode, Plan, PlanError, PlanOptions, Route, configuration_space::ConfigurationSpace, recharging,
-    transfers::Transfers, verify,
-};
+use crate::{Mode, PlanError, PlanOptions, Route, transfers::Transfers};
 use links::Links;
 use ruin_recreate::Search;
 use terrain::Point;
@@ -42,68 +39,38 @@ const STEPS: u64 = 400;
 /// Rounds in which links that were only guessed are priced.
 const ROUNDS: u32 = 4;
 
-/// No stretch is longer than this share of what each robot has to do.
-const SHARE_MAX: f64 = 1.0 / 40.0;
-
 /// A route as the ends at which its stretches are entered: end `2 i + side` belongs to stretch `i`.
 pub(crate) type Ends = Vec<u32>;
 
-/// Divides the line that one robot would drive to cover everything among all robots of an instance. Where they have a
-/// battery, the routes charge.
-pub(crate) fn divided(
-    instance: &Instance<'_>,
-    line: &[Point],
-    options: &PlanOptions,
-) -> Result<Plan, PlanError> {
-    let space = ConfigurationSpace::new(instance);
-    let mut transfers = Transfers::new(&space);
-    let length_m: f64 = line.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
-    let most_m = (length_m / instance.starts.len() as f64 * SHARE_MAX).max(4.0 * instance.floor.tool_width_m());
-    let stretches = stretches::stretches_of(instance, line, most_m);
-    let mut routing = Routing::new(&mut transfers, &stretches, options);
-    routing.improve();
-    let plain = routing.plan()?;
-    if instance.battery.is_none() {
-        return Ok(plain);
-    }
-    let charged = recharging::with_charges(instance, plain.clone())?;
-    let without_battery = Instance { battery: None, ..instance.clone() };
-    let (Ok(before), Ok(after)) = (verify(&without_battery, &plain), verify(instance, &charged)) else {
-        return Ok(charged);
-    };
-    routing.burden =
-        after.cost_s.iter().zip(&before.cost_s).map(|(after_s, before_s)| after_s / before_s.max(1.0)).collect();
-    routing.improve();
-    let again = recharging::with_charges(instance, routing.plan()?)?;
-    let is_better = verify(instance, &again).is_ok_and(|again| again.makespan_s < after.makespan_s);
-    Ok(if is_better { again } else { charged })
-}
-
 /// Routes over stretches, on the way to being good.
-struct Routing<'t, 's, 'a> {
+pub(crate) struct Routing<'t, 's, 'a> {
     transfers: &'t mut Transfers<'s, 'a>,
-    stretches: &'t [Stretch],
+    /// Numbers of the robots in the instance.
+    robots: Vec<usize>,
+    stretches: Vec<Stretch>,
     links: Links<'a>,
     /// What a second of each robot counts: more than 1 where it will have to charge.
-    burden: Vec<f64>,
+    pub(crate) burden: Vec<f64>,
     routes: Vec<Ends>,
     options: &'t PlanOptions,
 }
 
 impl<'t, 's, 'a> Routing<'t, 's, 'a> {
-    /// The stretches come in the order of a giant tour.
-    fn new(
+    /// The first cut: stretches come in the order and direction of a giant tour. All can be reached by each robot.
+    pub(crate) fn new(
         transfers: &'t mut Transfers<'s, 'a>,
-        stretches: &'t [Stretch],
+        robots: &[usize],
+        stretches: Vec<Stretch>,
         options: &'t PlanOptions,
     ) -> Self {
-        let links = Links::new(transfers, stretches, options.effort);
-        let burden = vec![1.0; links.robots()];
+        let links = Links::new(transfers, robots, &stretches, options.effort);
+        let burden = vec![1.0; robots.len()];
         let routes = cut::cut(&links, &burden);
-        Self { transfers, stretches, links, burden, routes, options }
+        Self { transfers, robots: robots.to_vec(), stretches, links, burden, routes, options }
     }
 
-    fn improve(&mut self) {
+    /// Searches for better routes, for a number of steps that grows with the effort.
+    pub(crate) fn improve(&mut self) {
         let steps = STEPS * u64::from(self.options.effort) * self.stretches.len() as u64;
         for round in 0..if steps > 0 { ROUNDS } else { 0 } {
             let seed = self.options.seed + u64::from(round);
@@ -115,48 +82,48 @@ impl<'t, 's, 'a> Routing<'t, 's, 'a> {
         }
     }
 
-    /// The routes with all points.
-    fn plan(&mut self) -> Result<Plan, PlanError> {
+    /// Puts further stretches where they cost least.
+    pub(crate) fn add(&mut self, stretches: Vec<Stretch>) {
+        let first = self.stretches.len();
+        self.stretches.extend(stretches);
+        self.links = Links::new(self.transfers, &self.robots, &self.stretches, self.options.effort);
+        self.links.price(self.transfers, &self.routes);
+        let mut search = Search::new(&self.links, &self.burden, std::mem::take(&mut self.routes), 0);
+        search.put_all(first as u32..self.stretches.len() as u32);
+        self.routes = search.into_best();
+        self.links.price(self.transfers, &self.routes);
+    }
+
+    /// The routes with all points, in the order of the robots given.
+    pub(crate) fn routes(&mut self) -> Result<Vec<Route>, PlanError> {
+        (0..self.robots.len()).map(|route| self.driven(route)).collect()
+    }
+
+    fn driven(&mut self, number: usize) -> Result<Route, PlanError> {
         let instance = self.transfers.space().instance();
-        let routes = self.routes.iter().enumerate();
-        let driven = routes.map(|(robot, route)| driven(self.transfers, instance, robot, self.stretches, route));
-        Ok(Plan { routes: driven.collect::<Result<_, _>>()? })
+        let route = &self.routes[number];
+        if route.is_empty() {
+            return Ok(Route::default());
+        }
+        let start = instance.place(&instance.starts[self.robots[number]]);
+        let mut points = vec![start];
+        for &end in route {
+            let stretch = self.stretches[end as usize / 2].entered_at(end);
+            go(self.transfers, &mut points, stretch[0])?;
+            points.extend(stretch.iter().skip(1));
+        }
+        if instance.mode == Mode::CoverAndReturn {
+            go(self.transfers, &mut points, start)?;
+        }
+        Ok(Route::new(points))
     }
 }
 
-/// A route with all points.
-fn driven(
-    transfers: &mut Transfers<'_, '_>,
-    instance: &Instance<'_>,
-    robot: usize,
-    stretches: &[Stretch],
-    route: &Ends,
-) -> Result<Route, PlanError> {
-    if route.is_empty() {
-        return Ok(Route::default());
-    }
-    let start = instance.place(&instance.starts[robot]);
-    let mut points = vec![start];
-    for &end in route {
-        let stretch = stretches[end as usize / 2].entered_at(end);
-        go(transfers, instance, &mut points, stretch[0])?;
-        points.extend(stretch.iter().skip(1));
-    }
-    if instance.mode == Mode::CoverAndReturn {
-        go(transfers, instance, &mut points, start)?;
-    }
-    Ok(Route::new(points))
-}
-
-fn go(
-    transfers: &mut Transfers<'_, '_>,
-    instance: &Instance<'_>,
-    points: &mut Vec<Point>,
-    to: Point,
-) -> Result<(), PlanError> {
+fn go(transfers: &mut Transfers<'_, '_>, points: &mut Vec<Point>, to: Point) -> Result<(), PlanError> {
     let from = *points.last().expect("a route begins somewhere");
-    let cell = || instance.floor.lattice().cell_at(to).expect("stretches stay on the floor");
+    let floor = transfers.space().instance().floor;
+    let cell = || floor.lattice().cell_at(to).expect("stretches stay on the floor");
     let way = transfers.way(from, to).ok_or_else(|| PlanError::Unreachable(cell()))?;
-    points.extend(way.points.into_iter().filter(|point| (point - from).norm() > 1e-9));
+    points.extend(way.points.into_iter().skip(1));
     Ok(())
 }

@@ -220,6 +220,11 @@ fn sweep(instance: &Instance<'_>, route: &Route, raster: &mut SweptRaster) {
     }
 }
 
+/// Per robot: time, seconds.
+pub(crate) fn costs_s(instance: &Instance<'_>, plan: &Plan) -> Vec<f64> {
+    charging::play(instance, plan).iter().map(|shift| shift.cost_s).collect()
+}
+
 fn measure(
     instance: &Instance<'_>,
     plan: &Plan,

@@ -2,7 +2,7 @@
 
 use super::{Ends, Stretch};
 use crate::{
-    Instance, Mode,
+    Instance, Mode, Start,
     transfers::{Targets, Transfers, Way},
 };
 use std::f64::consts::PI;
@@ -18,6 +18,8 @@ const DETOUR: f64 = 1.5;
 /// Prices of links, seconds.
 pub(crate) struct Links<'a> {
     instance: &'a Instance<'a>,
+    /// Numbers of the robots in the instance.
+    robots: Vec<usize>,
     /// Per end: where it is, and the heading with which its stretch is left there.
     ends: Vec<(Point, Option<f64>)>,
     inner_s: Vec<f64>,
@@ -31,24 +33,30 @@ pub(crate) struct Links<'a> {
 }
 
 impl<'a> Links<'a> {
-    pub(crate) fn new(transfers: &mut Transfers<'_, 'a>, stretches: &[Stretch], effort: u32) -> Self {
+    pub(crate) fn new(
+        transfers: &mut Transfers<'_, 'a>,
+        robots: &[usize],
+        stretches: &[Stretch],
+        effort: u32,
+    ) -> Self {
         let instance = transfers.space().instance();
         let ends: Vec<(Point, Option<f64>)> = (0..2 * stretches.len() as u32)
             .map(|end| stretches[end as usize / 2].leaves_at(end))
             .collect();
         let inner_s = stretches.iter().map(|stretch| stretch.inner_s).collect();
-        let robots = instance.starts.len();
+        let count = robots.len();
         let mut links = Self {
             instance,
+            robots: robots.to_vec(),
             near: vec![Vec::new(); ends.len()],
-            out_s: vec![vec![0.0; ends.len()]; robots],
-            home_s: vec![vec![0.0; ends.len()]; robots],
-            known: vec![vec![[false; 2]; ends.len()]; robots],
+            out_s: vec![vec![0.0; ends.len()]; count],
+            home_s: vec![vec![0.0; ends.len()]; count],
+            known: vec![vec![[false; 2]; ends.len()]; count],
             inner_s,
             ends,
         };
         links.search_near(transfers, NEAR[usize::from(effort > 0)]);
-        (0..robots).for_each(|robot| links.guess_depot(transfers, robot, effort > 0));
+        (0..count).for_each(|robot| links.guess_depot(transfers, robot, effort > 0));
         links
     }
 
@@ -64,9 +72,13 @@ impl<'a> Links<'a> {
         self.inner_s[end as usize / 2]
     }
 
+    fn start(&self, robot: usize) -> &'a Start {
+        &self.instance.starts[self.robots[robot]]
+    }
+
     /// Seconds before a robot begins.
     pub(crate) fn available_in_s(&self, robot: usize) -> f64 {
-        self.instance.starts[robot].available_in_s
+        self.start(robot).available_in_s
     }
 
     /// From a robot's start to an end, ready to drive its stretch.
@@ -110,9 +122,9 @@ impl<'a> Links<'a> {
         let targets = Targets::new(transfers.space(), points);
         let limit_m = REACH_TOOLS * self.instance.floor.tool_width_m();
         for end in 0..self.ends.len() {
-            // Its own two ends are among those found.
-            let found = transfers.ways_to_nearest(self.ends[end].0, &targets, limit_m, most + 2);
-            for (other, way) in found.into_iter().filter(|(other, _)| other / 2 != end / 2) {
+            let others = |other: usize| other / 2 != end / 2;
+            let found = transfers.ways_to_nearest(self.ends[end].0, &targets, others, limit_m, most);
+            for (other, way) in found {
                 self.know(end as u32, other as u32, &way);
             }
         }
@@ -133,7 +145,7 @@ impl<'a> Links<'a> {
 
     /// By distances over the ground where there is time for them, else by those through the air.
     fn guess_depot(&mut self, transfers: &mut Transfers<'_, 'a>, robot: usize, over_ground: bool) {
-        let start = self.instance.place(&self.instance.starts[robot]);
+        let start = self.instance.place(self.start(robot));
         let field = over_ground.then(|| transfers.field(&[(start, 0.0)]));
         for end in 0..self.ends.len() {
             let way = Way::new(self.instance, vec![start, self.ends[end].0]);
@@ -151,7 +163,7 @@ impl<'a> Links<'a> {
         let into_rad = leaving_rad.map(|rad| angle_between(0.0, rad + PI));
         let back = way.reversed();
         self.out_s[robot][end] =
-            way.time_s(instance, instance.starts[robot].heading_rad, into_rad) + more_s;
+            way.time_s(instance, self.start(robot).heading_rad, into_rad) + more_s;
         if instance.mode == Mode::CoverAndReturn {
             self.home_s[robot][end] = back.time_s(instance, leaving_rad, None) + more_s;
         }
@@ -193,7 +205,7 @@ impl<'a> Links<'a> {
         if std::mem::replace(&mut known[purpose], true) || known[1 - purpose] {
             return 0;
         }
-        let start = self.instance.place(&self.instance.starts[robot]);
+        let start = self.instance.place(self.start(robot));
         let Some(way) = transfers.way(start, self.ends[end].0) else { return 0 };
         self.note_depot(robot, end, &way, 0.0);
         1

@@ -16,6 +16,7 @@
 
 mod placing;
 mod residue;
+mod sharing;
 mod splitting;
 
 use crate::{
@@ -72,8 +73,15 @@ pub(super) fn plan(instance: &Instance<'_>, options: &PlanOptions) -> Result<Pla
             *stops = tour(&mut transfers, instance, robots[0], &lanes, options.effort, &mut random);
         }
     }
+    sweep_all(&mut ground, &tours);
     for (robots, stops) in &tours {
-        splitting::divide(&mut transfers, instance, robots, stops, &mut plan);
+        if robots.len() == 1 {
+            splitting::divide(&mut transfers, instance, robots, stops, &mut plan);
+            continue;
+        }
+        let mut sweeping =
+            sharing::Sweeping { space: &space, ground: &mut ground, lattice: &orientation.lattice };
+        sharing::share(&mut sweeping, &mut transfers, robots, stops, options, &mut plan)?;
     }
     Ok(plan)
 }
