@@ -51,7 +51,7 @@ pub(super) fn plan(instance: &Instance<'_>, options: &PlanOptions) -> Result<Pla
     let mut tours: Vec<(Vec<usize>, Vec<Stop>)> = pieces
         .into_iter()
         .map(|(robots, lanes)| {
-            let stops = tour(&mut transfers, instance, robots[0], &lanes, options.effort, &mut random);
+            let stops = tour(&mut transfers, instance, robots[0], &lanes, 0, &mut random);
             (robots, stops)
         })
         .collect();
@@ -70,12 +70,12 @@ pub(super) fn plan(instance: &Instance<'_>, options: &PlanOptions) -> Result<Pla
             let Some((_, added)) = with_added.iter().find(|(owners, _)| owners == robots) else { continue };
             let mut lanes: Vec<Lane> = stops.iter().map(|stop| stop.lane).collect();
             lanes.extend(added);
-            *stops = tour(&mut transfers, instance, robots[0], &lanes, options.effort, &mut random);
+            *stops = tour(&mut transfers, instance, robots[0], &lanes, 0, &mut random);
         }
     }
     sweep_all(&mut ground, &tours);
     for (robots, stops) in &tours {
-        if robots.len() == 1 {
+        if robots.len() == 1 && options.effort == 0 {
             splitting::divide(&mut transfers, instance, robots, stops, &mut plan);
             continue;
         }
