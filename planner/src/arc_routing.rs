@@ -37,7 +37,7 @@ use terrain::Point;
 /// Steps of the search per stretch and effort.
 const STEPS: u64 = 400;
 /// Rounds in which links that were only guessed are priced.
-const ROUNDS: u32 = 4;
+const ROUNDS: u32 = 8;
 
 /// A route as the ends at which its stretches are entered: end `2 i + side` belongs to stretch `i`.
 pub(crate) type Ends = Vec<u32>;
@@ -69,17 +69,28 @@ impl<'t, 's, 'a> Routing<'t, 's, 'a> {
         Self { transfers, robots: robots.to_vec(), stretches, links, burden, routes, options }
     }
 
-    /// Searches for better routes, for a number of steps that grows with the effort.
+    /// Searches for better routes, for a number of steps that grows with the effort. After each round guessed links are
+    /// priced, and the routes that then are the best are searched on.
     pub(crate) fn improve(&mut self) {
         let steps = STEPS * u64::from(self.options.effort) * self.stretches.len() as u64;
-        for round in 0..if steps > 0 { ROUNDS } else { 0 } {
-            let seed = self.options.seed + u64::from(round);
-            let routes = std::mem::take(&mut self.routes);
-            let mut search = Search::new(&self.links, &self.burden, routes, seed);
-            search.run(steps / u64::from(ROUNDS), f64::from(ROUNDS - round) / f64::from(ROUNDS));
-            self.routes = search.into_best();
-            self.links.price(self.transfers, &self.routes);
+        if steps == 0 {
+            return;
         }
+        self.links.price(self.transfers, &self.routes);
+        for round in 0..ROUNDS {
+            let seed = self.options.seed + u64::from(round);
+            let mut search = Search::new(&self.links, &self.burden, self.routes.clone(), seed);
+            search.run(steps / u64::from(ROUNDS), f64::from(ROUNDS - round) / f64::from(ROUNDS));
+            let found = search.into_best();
+            self.links.price(self.transfers, &found);
+            if self.objective_s(&found) < self.objective_s(&self.routes) {
+                self.routes = found;
+            }
+        }
+    }
+
+    fn objective_s(&self, routes: &[Ends]) -> f64 {
+        Search::new(&self.links, &self.burden, routes.to_vec(), 0).objective_s()
     }
 
     /// Puts further stretches where they cost least.

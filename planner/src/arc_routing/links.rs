@@ -5,13 +5,15 @@ use crate::{
     Instance, Mode, Start,
     transfers::{Targets, Transfers, Way},
 };
-use std::f64::consts::PI;
-use terrain::{Point, angle_between};
+use std::f64::consts::FRAC_PI_2;
+use terrain::{Point, Vector};
 
 /// Near ends whose links are known, for an end; without effort, and with it.
 const NEAR: [usize; 2] = [8, 20];
 /// They are looked for up to this many tool widths away.
 const REACH_TOOLS: f64 = 24.0;
+/// Up to so many ends, all prices are kept in one table.
+const TABLE_ENDS: usize = 3000;
 /// A link that is only guessed counts as this much longer than the straight line.
 const DETOUR: f64 = 1.5;
 
@@ -20,11 +22,13 @@ pub(crate) struct Links<'a> {
     instance: &'a Instance<'a>,
     /// Numbers of the robots in the instance.
     robots: Vec<usize>,
-    /// Per end: where it is, and the heading with which its stretch is left there.
-    ends: Vec<(Point, Option<f64>)>,
+    /// Per end: where it is, and the direction in which its stretch is left there (zero: any).
+    ends: Vec<(Point, Vector)>,
     inner_s: Vec<f64>,
     /// Per end: the ends whose price is known.
     near: Vec<Vec<(u32, f64)>>,
+    /// By end and end: all prices, guessed ones too; empty where there are too many.
+    table: Vec<f32>,
     /// Per robot: seconds until it is at an end, and from an end until it is home.
     out_s: Vec<Vec<f64>>,
     home_s: Vec<Vec<f64>>,
@@ -40,7 +44,7 @@ impl<'a> Links<'a> {
         effort: u32,
     ) -> Self {
         let instance = transfers.space().instance();
-        let ends: Vec<(Point, Option<f64>)> = (0..2 * stretches.len() as u32)
+        let ends: Vec<(Point, Vector)> = (0..2 * stretches.len() as u32)
             .map(|end| stretches[end as usize / 2].leaves_at(end))
             .collect();
         let inner_s = stretches.iter().map(|stretch| stretch.inner_s).collect();
@@ -52,10 +56,12 @@ impl<'a> Links<'a> {
             out_s: vec![vec![0.0; ends.len()]; count],
             home_s: vec![vec![0.0; ends.len()]; count],
             known: vec![vec![[false; 2]; ends.len()]; count],
+            table: Vec::new(),
             inner_s,
             ends,
         };
         links.search_near(transfers, NEAR[usize::from(effort > 0)]);
+        links.fill_table();
         (0..count).for_each(|robot| links.guess_depot(transfers, robot, effort > 0));
         links
     }
@@ -93,6 +99,9 @@ impl<'a> Links<'a> {
 
     /// From leaving a stretch at one end to being ready to drive another from its end.
     pub(crate) fn link_s(&self, from: u32, to: u32) -> f64 {
+        if !self.table.is_empty() {
+            return f64::from(self.table[from as usize * self.ends.len() + to as usize]);
+        }
         let known = self.near[from as usize].iter().find(|&&(end, _)| end == to);
         known.map_or_else(|| self.guess_s(from, to), |&(_, link_s)| link_s)
     }
@@ -110,11 +119,32 @@ impl<'a> Links<'a> {
         self.available_in_s(robot) + self.out_s(robot, first) + inner_s + links_s + self.home_s(robot, last ^ 1)
     }
 
+    fn fill_table(&mut self) {
+        let ends = self.ends.len() as u32;
+        if self.ends.len() <= TABLE_ENDS {
+            let pairs = (0..ends).flat_map(|from| (0..ends).map(move |to| (from, to)));
+            self.table = pairs.map(|(from, to)| self.guess_s(from, to) as f32).collect();
+            for from in 0..self.ends.len() {
+                for &(to, link_s) in &self.near[from] {
+                    self.table[from * self.ends.len() + to as usize] = link_s as f32;
+                }
+            }
+        }
+    }
+
+    /// Through the air, but longer; turns by their cosines. What is not among the near ends is farther than they are.
     fn guess_s(&self, from: u32, to: u32) -> f64 {
-        let ((a, out), (b, other)) = (self.ends[from as usize], self.ends[to as usize]);
-        let way = Way::new(self.instance, vec![a, b]);
-        let run_s = (b - a).norm() / self.instance.motion.speed_m_per_s;
-        way.time_s(self.instance, out, other.map(|rad| rad + PI)) + (DETOUR - 1.0) * run_s
+        let ((a, out), (b, other)) = (&self.ends[from as usize], &self.ends[to as usize]);
+        let way = b - a;
+        let length_m = way.norm();
+        let motion = &self.instance.motion;
+        let turn_s = |out: &Vector, way: Vector| {
+            let cosine = if length_m > 1e-9 { out.dot(&way) / length_m } else { 1.0 };
+            if *out == Vector::zeros() { 0.0 } else { motion.turn_s(FRAC_PI_2 * (1.0 - cosine)) }
+        };
+        let straight_s = length_m / motion.speed_m_per_s + turn_s(out, way) + turn_s(other, -way);
+        let farthest_s = |end: u32| self.near[end as usize].last().map_or(0.0, |&(_, link_s)| link_s);
+        DETOUR * straight_s.max(farthest_s(from)).max(farthest_s(to))
     }
 
     fn search_near(&mut self, transfers: &mut Transfers<'_, 'a>, most: usize) {
@@ -132,9 +162,12 @@ impl<'a> Links<'a> {
 
     /// Notes the price of a way, which is the same in both directions.
     fn know(&mut self, from: u32, to: u32, way: &Way) {
-        let into_rad = self.ends[to as usize].1.map(|rad| angle_between(0.0, rad + PI));
-        let link_s = way.time_s(self.instance, self.ends[from as usize].1, into_rad);
+        let into_rad = heading_rad(-self.ends[to as usize].1);
+        let link_s = way.time_s(self.instance, heading_rad(self.ends[from as usize].1), into_rad);
         for (one, other) in [(from, to), (to, from)] {
+            if !self.table.is_empty() {
+                self.table[one as usize * self.ends.len() + other as usize] = link_s as f32;
+            }
             let list = &mut self.near[one as usize];
             if !list.iter().any(|&(end, _)| end == other) {
                 let at = list.partition_point(|&(_, known_s)| known_s <= link_s);
@@ -159,8 +192,8 @@ impl<'a> Links<'a> {
 
     fn note_depot(&mut self, robot: usize, end: usize, way: &Way, more_s: f64) {
         let instance = self.instance;
-        let leaving_rad = self.ends[end].1;
-        let into_rad = leaving_rad.map(|rad| angle_between(0.0, rad + PI));
+        let leaving_rad = heading_rad(self.ends[end].1);
+        let into_rad = heading_rad(-self.ends[end].1);
         let back = way.reversed();
         self.out_s[robot][end] =
             way.time_s(instance, self.start(robot).heading_rad, into_rad) + more_s;
@@ -210,4 +243,8 @@ impl<'a> Links<'a> {
         self.note_depot(robot, end, &way, 0.0);
         1
     }
+}
+
+fn heading_rad(direction: Vector) -> Option<f64> {
+    (direction != Vector::zeros()).then(|| direction.y.atan2(direction.x))
 }

@@ -9,10 +9,10 @@ const POWER: i32 = 12;
 /// How much the mean of all times counts beside it.
 const EVERYBODY: f64 = 0.1;
 /// Stretches taken out at once, at most, and those of one run.
-const REMOVED: usize = 24;
-const RUN: usize = 10;
+const REMOVED: usize = 14;
+const RUN: usize = 8;
 /// Near ends beside which a stretch may be put.
-const BESIDE: usize = 12;
+const BESIDE: usize = 8;
 /// One in so many places is passed over, so that the same ruin is not always mended in the same way.
 const BLINK: u32 = 60;
 /// Temperature at the begin of a search, and how much lower it is in the end, as a share of the objective.
@@ -31,6 +31,8 @@ pub(super) struct Search<'l, 'a> {
 #[derive(Debug, Clone)]
 struct State {
     routes: Vec<Ends>,
+    /// Per stretch: the robot that drives it, if any.
+    driver: Vec<Option<u16>>,
     time_s: Vec<f64>,
     objective_s: f64,
 }
@@ -49,7 +51,11 @@ impl<'l, 'a> Search<'l, 'a> {
         let time_s: Vec<f64> =
             routes.iter().enumerate().map(|(robot, route)| burden[robot] * links.route_s(robot, route)).collect();
         let objective_s = power_mean_s(&time_s);
-        let now = State { routes, time_s, objective_s };
+        let mut driver = vec![None; links.stretches()];
+        for (robot, route) in routes.iter().enumerate() {
+            route.iter().for_each(|&end| driver[end as usize / 2] = Some(robot as u16));
+        }
+        let now = State { routes, driver, time_s, objective_s };
         Self { links, burden, rng: ChaCha8Rng::seed_from_u64(seed), best: now.clone(), now }
     }
 
@@ -60,6 +66,11 @@ impl<'l, 'a> Search<'l, 'a> {
             let temperature_s = self.best.objective_s * WARM * warmth * COLD.powf(share);
             self.step(temperature_s);
         }
+    }
+
+    /// What is made small: seconds.
+    pub(super) fn objective_s(&self) -> f64 {
+        self.now.objective_s
     }
 
     /// Puts stretches that no route has yet where they cost least.
@@ -132,8 +143,9 @@ impl<'l, 'a> Search<'l, 'a> {
     }
 
     fn find(&self, stretch: u32) -> Option<(usize, usize)> {
-        let at = |route: &Ends| route.iter().position(|&end| end / 2 == stretch);
-        (0..self.now.routes.len()).find_map(|robot| Some((robot, at(&self.now.routes[robot])?)))
+        let robot = usize::from(self.now.driver[stretch as usize]?);
+        let at = self.now.routes[robot].iter().position(|&end| end / 2 == stretch);
+        Some((robot, at.expect("a stretch is on the route of its driver")))
     }
 
     fn take_run(&mut self, robot: usize, at: usize, run: usize, removed: &mut Vec<u32>) {
@@ -141,7 +153,10 @@ impl<'l, 'a> Search<'l, 'a> {
         let run = run.min(route.len());
         let first = at - self.rng.random_range(0..run).min(at);
         let first = first.min(route.len() - run);
-        removed.extend(route.drain(first..first + run).map(|end| end / 2));
+        for end in route.drain(first..first + run) {
+            self.now.driver[end as usize / 2] = None;
+            removed.push(end / 2);
+        }
         self.now.time_s[robot] = self.burden[robot] * self.links.route_s(robot, &self.now.routes[robot]);
     }
 
@@ -174,6 +189,7 @@ impl<'l, 'a> Search<'l, 'a> {
         }
         let (_, slot) = best.expect("a stretch can be put at an end of any route");
         self.now.routes[slot.robot].insert(slot.at, slot.end);
+        self.now.driver[stretch as usize] = Some(slot.robot as u16);
         self.now.time_s[slot.robot] += self.burden[slot.robot] * slot.more_s;
     }
 

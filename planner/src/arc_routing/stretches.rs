@@ -1,7 +1,7 @@
 //! Stretches: what has to be driven.
 
 use crate::Instance;
-use terrain::Point;
+use terrain::{Point, Vector};
 
 /// A line to be driven in one direction or the other.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,12 +27,12 @@ impl Stretch {
         points
     }
 
-    /// Where an end is, and the heading with which it is left there.
-    pub(crate) fn leaves_at(&self, end: u32) -> (Point, Option<f64>) {
+    /// Where an end is, and the direction (of length 1, or 0 where there is none) in which it is left there.
+    pub(crate) fn leaves_at(&self, end: u32) -> (Point, Vector) {
         let points = self.entered_at(end ^ 1);
         let last = points.len() - 1;
-        let step = (last > 0).then(|| points[last] - points[last - 1]).filter(|step| step.norm() > 1e-9);
-        (points[last], step.map(|step| step.y.atan2(step.x)))
+        let step = points[last] - points[last.saturating_sub(1)];
+        (points[last], step.try_normalize(1e-9).unwrap_or_default())
     }
 }
 
