@@ -44,9 +44,8 @@ impl<'a> Links<'a> {
         effort: u32,
     ) -> Self {
         let instance = transfers.space().instance();
-        let ends: Vec<(Point, Vector)> = (0..2 * stretches.len() as u32)
-            .map(|end| stretches[end as usize / 2].leaves_at(end))
-            .collect();
+        let ends: Vec<(Point, Vector)> =
+            (0..2 * stretches.len() as u32).map(|end| stretches[end as usize / 2].leaves_at(end)).collect();
         let inner_s = stretches.iter().map(|stretch| stretch.inner_s).collect();
         let count = robots.len();
         let mut links = Self {
@@ -116,7 +115,11 @@ impl<'a> Links<'a> {
         let (Some(&first), Some(&last)) = (route.first(), route.last()) else { return 0.0 };
         let inner_s: f64 = route.iter().map(|&end| self.inner_s(end)).sum();
         let links_s: f64 = route.windows(2).map(|pair| self.link_s(pair[0] ^ 1, pair[1])).sum();
-        self.available_in_s(robot) + self.out_s(robot, first) + inner_s + links_s + self.home_s(robot, last ^ 1)
+        self.available_in_s(robot)
+            + self.out_s(robot, first)
+            + inner_s
+            + links_s
+            + self.home_s(robot, last ^ 1)
     }
 
     fn fill_table(&mut self) {
@@ -195,8 +198,7 @@ impl<'a> Links<'a> {
         let leaving_rad = heading_rad(self.ends[end].1);
         let into_rad = heading_rad(-self.ends[end].1);
         let back = way.reversed();
-        self.out_s[robot][end] =
-            way.time_s(instance, self.start(robot).heading_rad, into_rad) + more_s;
+        self.out_s[robot][end] = way.time_s(instance, self.start(robot).heading_rad, into_rad) + more_s;
         if instance.mode == Mode::CoverAndReturn {
             self.home_s[robot][end] = back.time_s(instance, leaving_rad, None) + more_s;
         }

@@ -48,8 +48,11 @@ struct Slot {
 
 impl<'l, 'a> Search<'l, 'a> {
     pub(super) fn new(links: &'l Links<'a>, burden: &'l [f64], routes: Vec<Ends>, seed: u64) -> Self {
-        let time_s: Vec<f64> =
-            routes.iter().enumerate().map(|(robot, route)| burden[robot] * links.route_s(robot, route)).collect();
+        let time_s: Vec<f64> = routes
+            .iter()
+            .enumerate()
+            .map(|(robot, route)| burden[robot] * links.route_s(robot, route))
+            .collect();
         let objective_s = power_mean_s(&time_s);
         let mut driver = vec![None; links.stretches()];
         for (robot, route) in routes.iter().enumerate() {
@@ -133,7 +136,8 @@ impl<'l, 'a> Search<'l, 'a> {
 
     /// A stretch to begin with: half of them of the robot that is done last.
     fn seed(&mut self) -> u32 {
-        let last = (0..self.now.time_s.len()).max_by(|&a, &b| self.now.time_s[a].total_cmp(&self.now.time_s[b]));
+        let last =
+            (0..self.now.time_s.len()).max_by(|&a, &b| self.now.time_s[a].total_cmp(&self.now.time_s[b]));
         if let Some(route) = last.map(|robot| &self.now.routes[robot]).filter(|route| !route.is_empty())
             && self.rng.random_range(0..2_u32) == 0
         {
@@ -207,8 +211,11 @@ impl<'l, 'a> Search<'l, 'a> {
         }
         places.sort_unstable();
         places.dedup();
-        let slot = |(robot, at): (usize, usize), end: u32| {
-            Slot { robot, at, end, more_s: self.more_s(robot, at, end) }
+        let slot = |(robot, at): (usize, usize), end: u32| Slot {
+            robot,
+            at,
+            end,
+            more_s: self.more_s(robot, at, end),
         };
         places.iter().flat_map(|&place| [slot(place, 2 * stretch), slot(place, 2 * stretch + 1)]).collect()
     }
@@ -217,8 +224,10 @@ impl<'l, 'a> Search<'l, 'a> {
     fn more_s(&self, robot: usize, at: usize, end: u32) -> f64 {
         let (links, route) = (self.links, &self.now.routes[robot]);
         let (before, after) = (at.checked_sub(1).map(|at| route[at] ^ 1), route.get(at).copied());
-        let into_s = |end: u32| before.map_or_else(|| links.out_s(robot, end), |from| links.link_s(from, end));
-        let onward_s = |from: u32| after.map_or_else(|| links.home_s(robot, from), |to| links.link_s(from, to));
+        let into_s =
+            |end: u32| before.map_or_else(|| links.out_s(robot, end), |from| links.link_s(from, end));
+        let onward_s =
+            |from: u32| after.map_or_else(|| links.home_s(robot, from), |to| links.link_s(from, to));
         let without_s = match (before, after) {
             (None, None) => -links.available_in_s(robot),
             (Some(from), _) => onward_s(from),

@@ -148,7 +148,8 @@ impl Tour {
         }
         let last = charges.best(self.end_s + self.left_at_end_s).ok_or_else(|| self.out_of_range())?;
         let mut breaks: Vec<Break> =
-            std::iter::successors(last.at, |&at| before[self.number(at)].and_then(|charge| charge.at)).collect();
+            std::iter::successors(last.at, |&at| before[self.number(at)].and_then(|charge| charge.at))
+                .collect();
         breaks.reverse();
         Ok(breaks)
     }

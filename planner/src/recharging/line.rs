@@ -39,7 +39,8 @@ impl<'a> Line<'a> {
         let (points, is_between) = with_points_between(points, apart_m);
         let works = work.drive(&points);
         let stations = 0..instance.stations.len();
-        let mut ways = |&point: &Point| stations.clone().map(|station| homeward.way(point, station)).collect();
+        let mut ways =
+            |&point: &Point| stations.clone().map(|station| homeward.way(point, station)).collect();
         let ways = points.iter().map(&mut ways).collect();
         Self { instance, robot, works, ways, points, is_between }
     }

@@ -37,7 +37,9 @@ impl<'a> Work<'a> {
         let (instance, mut works) = (self.instance, false);
         if self.along_lattice {
             let entered = instance.floor.lattice().cell_at(to);
-            let Some(index) = entered.and_then(|cell| instance.floor.lattice().index(cell)) else { return false };
+            let Some(index) = entered.and_then(|cell| instance.floor.lattice().index(cell)) else {
+                return false;
+            };
             let is_new = !std::mem::replace(&mut self.entered[index], true);
             return is_new && instance.visit[index];
         }

@@ -106,7 +106,8 @@ impl Sweeping<'_, '_, '_> {
             let routes = routing.routes()?;
             routes.iter().for_each(|route| self.ground.sweep(&route.points));
             let enough = self.ground.coverage() >= goal.min(1.0);
-            let added = if enough { Vec::new() } else { residue::lanes(self.space, self.ground, self.lattice, goal) };
+            let added =
+                if enough { Vec::new() } else { residue::lanes(self.space, self.ground, self.lattice, goal) };
             routes.iter().for_each(|route| self.ground.unsweep(&route.points));
             added.iter().for_each(|lane| self.ground.unsweep(&[lane.from, lane.to]));
             if added.is_empty() {

@@ -51,7 +51,8 @@ impl AlongLattice<'_> {
         let (instance, lattice) = (self.instance, self.instance.floor.lattice());
         let own = lattice.cell_at(place)?;
         let is_linked = |cell: Cell| {
-            let known = lattice.index(cell).is_some_and(|index| self.trees[station][index].home_s.is_finite());
+            let known =
+                lattice.index(cell).is_some_and(|index| self.trees[station][index].home_s.is_finite());
             let segment = Segment::new(place, lattice.center(cell));
             let is_open = |cell: &Cell| lattice.index(*cell).is_some_and(|index| !instance.blocked[index]);
             known
@@ -85,7 +86,8 @@ fn tree(instance: &Instance<'_>, station: &Station) -> Vec<Node> {
             let next = cell.step(way);
             if instance.floor.can_move(cell, way) && instance.is_open(next) {
                 let turned = towards.is_some_and(|before| before != way.opposite());
-                let corner_s = if turned { corner_s(&instance.motion, std::f64::consts::FRAC_PI_2) } else { 0.0 };
+                let corner_s =
+                    if turned { corner_s(&instance.motion, std::f64::consts::FRAC_PI_2) } else { 0.0 };
                 let index = lattice.index(next).expect("an open cell is on the lattice");
                 let home_s = home_s + corner_s + instance.move_s(next, cell);
                 queue.push((Reverse(Seconds(home_s)), index, Some(way.opposite())));
