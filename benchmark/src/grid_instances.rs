@@ -162,8 +162,8 @@ mod tests {
             let task = load(&folder.join(format!("{}.json", vector.instance))).unwrap();
             let instance = task.instance();
             let page = Page { rows: task.floor.lattice().rows, columns: task.floor.lattice().columns };
-            let route = |walk: &Vec<[u32; 2]>| Route {
-                points: walk.iter().map(|&[x, y]| instance.center(page.cell(x, y))).collect(),
+            let route = |walk: &Vec<[u32; 2]>| {
+                Route::new(walk.iter().map(|&[x, y]| instance.center(page.cell(x, y))).collect())
             };
             let plan = Plan { routes: vector.walks.iter().map(route).collect() };
             let figures = verify(&instance, &plan).unwrap();

@@ -13,6 +13,7 @@ mod grid;
 mod grid_instances;
 mod growth;
 pub mod mcfs;
+mod indoor;
 mod mfc;
 mod pictures;
 pub mod plot;
@@ -68,6 +69,11 @@ pub const BENCHMARKS: &[Benchmark] = &[
         name: "grid",
         about: "the grid instances of LS-MCPP and MIP-MCPP under their costs",
         run: grid::run,
+    },
+    Benchmark {
+        name: "indoor",
+        about: "floor plans as in Fig. 5 of the boustrophedon paper, and B1 of the notes",
+        run: indoor::run,
     },
 ];
 

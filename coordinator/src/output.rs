@@ -1,6 +1,6 @@
 //! What the coordinator asks its driver to do.
 
-use planner::{Instance, Mode, PlanError, PlanOptions, Start, VerifiedPlan};
+use planner::{Instance, Mode, PlanError, PlanOptions, Start, Station, VerifiedPlan};
 use protocol::v1;
 use std::sync::Arc;
 use terrain::{Cell, Floor, MotionModel};
@@ -100,7 +100,8 @@ impl PlanRequest {
             starts: self.starts.clone(),
             motion: self.motion,
             mode: self.mode,
-            stations: self.stations.clone(),
+            stations: self.stations.iter().copied().map(Station::at).collect(),
+            battery: None,
             weights: None,
             coverage_min: 0.99,
             incumbent: self.incumbent.clone(),

@@ -339,7 +339,7 @@ impl Coordinator {
             point: None,
             heading_rad: heading.or_else(|| standing.map(|pose| pose.theta_rad)),
             available_in_s: motion.path_s(&base, None),
-            range_m: None,
+            charge_s: None,
         }
     }
 

@@ -38,6 +38,6 @@ pub(crate) fn routes(instance: &Instance<'_>, blocks: &Blocks, forest: &Forest, 
         .map(|robot| walker.walk(forest, robot as Tree, roots[robot], instance.starts[robot].cell))
         .collect();
     let walks = trimming::trim(instance, walks);
-    let route = |walk: Vec<_>| Route { points: walk.into_iter().map(|cell| instance.center(cell)).collect() };
+    let route = |walk: Vec<_>| Route::new(walk.into_iter().map(|cell| instance.center(cell)).collect());
     Plan { routes: walks.into_iter().map(route).collect() }
 }

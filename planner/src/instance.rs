@@ -1,7 +1,7 @@
 //! What is to be covered, by whom, from where.
 
-use crate::EdgeWeights;
-use terrain::{Cell, Floor, MotionModel, Point};
+use crate::{Battery, EdgeWeights, Station};
+use terrain::{Cell, Floor, MotionModel, Point, Segment};
 use thiserror::Error;
 
 /// When a robot's time ends.
@@ -24,14 +24,14 @@ pub struct Start {
     pub heading_rad: Option<f64>,
     /// Seconds until it can begin (still driving what was released before, charging, …).
     pub available_in_s: f64,
-    /// Metres it can still drive on its battery, if that is a limit.
-    pub range_m: Option<f64>,
+    /// Seconds of operation left in its battery; `None` when it is full. Counts where the instance has a battery.
+    pub charge_s: Option<f64>,
 }
 
 impl Start {
     /// A robot at rest in a cell, ready now, with no limit.
     pub const fn at(cell: Cell) -> Self {
-        Self { cell, point: None, heading_rad: None, available_in_s: 0.0, range_m: None }
+        Self { cell, point: None, heading_rad: None, available_in_s: 0.0, charge_s: None }
     }
 }
 
@@ -51,8 +51,10 @@ pub struct Instance<'a> {
     pub motion: MotionModel,
     /// When they are done.
     pub mode: Mode,
-    /// Chargers, as cells.
-    pub stations: Vec<Cell>,
+    /// Chargers.
+    pub stations: Vec<Station>,
+    /// What a robot can do between two charges; `None` when that is no limit.
+    pub battery: Option<Battery>,
     /// Ground that takes longer; `None` when all moves take the same time.
     pub weights: Option<EdgeWeights>,
     /// Share of the area to be swept that a plan must sweep when it leaves the lattice, in [0, 1]. Plans along the
@@ -126,6 +128,37 @@ pub enum InstanceError {
         /// Its place.
         point: Point,
     },
+    /// A battery that gives no time, or a time that is no number.
+    #[error("`{key}` of the battery is {value} s: expected {expected}")]
+    Battery {
+        /// Which number.
+        key: &'static str,
+        /// What was given.
+        value: f64,
+        /// What is taken.
+        expected: &'static str,
+    },
+    /// A charger where no robot can stand.
+    #[error("station {station} is in cell {cell}, where the body does not fit: move it to free ground")]
+    StationBlocked {
+        /// Number of the station.
+        station: usize,
+        /// Its cell.
+        cell: Cell,
+    },
+    /// A charger that is not in its cell, or cannot be driven to from the cell's centre.
+    #[error("station {station} at {point} cannot be reached from the centre of its cell {cell}")]
+    StationElsewhere {
+        /// Number of the station.
+        station: usize,
+        /// Its cell.
+        cell: Cell,
+        /// Its place.
+        point: Point,
+    },
+    /// A battery, and nowhere to charge it.
+    #[error("robots have a battery, but there is no station to charge it: give one, or no battery")]
+    NoStations,
     /// A speed or acceleration that is no positive number.
     #[error("`{0}` of the motion model is not a number above 0")]
     Motion(&'static str),
@@ -143,6 +176,7 @@ impl<'a> Instance<'a> {
             motion,
             mode,
             stations: Vec::new(),
+            battery: None,
             weights: None,
             coverage_min: 0.99,
             incumbent: Vec::new(),
@@ -254,6 +288,11 @@ impl<'a> Instance<'a> {
         start.point.unwrap_or_else(|| self.center(start.cell))
     }
 
+    /// Where a robot stands to charge.
+    pub fn dock(&self, station: &Station) -> Point {
+        station.point.unwrap_or_else(|| self.center(station.cell))
+    }
+
     /// Centre of a cell, metres.
     pub fn center(&self, cell: Cell) -> Point {
         self.floor.lattice().center(cell)
@@ -280,6 +319,7 @@ impl<'a> Instance<'a> {
             return Err(InstanceError::ToolWidth(tool_width_m));
         }
         self.check_starts()?;
+        self.check_power()?;
         if !self.visit.contains(&true) {
             return Err(InstanceError::NothingToCover);
         }
@@ -308,6 +348,40 @@ impl<'a> Instance<'a> {
         }
         Ok(())
     }
+
+    fn check_power(&self) -> Result<(), InstanceError> {
+        for (station, &Station { cell, point, queue_s }) in self.stations.iter().enumerate() {
+            if !self.floor.cell_is_drivable(cell) {
+                return Err(InstanceError::StationBlocked { station, cell });
+            }
+            if let Some(point) = point.filter(|&point| !self.can_dock(cell, point)) {
+                return Err(InstanceError::StationElsewhere { station, cell, point });
+            }
+            check_time("queue_s of a station", queue_s)?;
+        }
+        let Some(battery) = &self.battery else { return Ok(()) };
+        check_time("reserve_s", battery.reserve_s)?;
+        check_time("charge_s", battery.charge_s)?;
+        for left_s in self.starts.iter().filter_map(|start| start.charge_s) {
+            check_time("charge_s of a start", left_s)?;
+        }
+        if battery.capacity_s.is_nan() || battery.budget_s() <= 0.0 {
+            let expected = "more than the reserve";
+            return Err(InstanceError::Battery { key: "capacity_s", value: battery.capacity_s, expected });
+        }
+        if self.stations.is_empty() { Err(InstanceError::NoStations) } else { Ok(()) }
+    }
+
+    fn can_dock(&self, cell: Cell, point: Point) -> bool {
+        self.floor.lattice().cell_at(point) == Some(cell)
+            && self.floor.segment_is_free(Segment::new(self.center(cell), point))
+    }
+}
+
+fn check_time(key: &'static str, value: f64) -> Result<(), InstanceError> {
+    let expected = "a finite number of at least 0";
+    let sound = value.is_finite() && value >= 0.0;
+    if sound { Ok(()) } else { Err(InstanceError::Battery { key, value, expected }) }
 }
 
 fn check_motion(motion: &MotionModel) -> Result<(), InstanceError> {

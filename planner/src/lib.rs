@@ -5,25 +5,35 @@
 //! runs one planner of the table [`PLANNERS`] and then [`verify()`], which knows nothing of how a plan is made.
 //! No clock, no files, no network, no global randomness: same instance and seed, same plan.
 
+mod arc_routing;
+mod battery;
 mod block_trees;
 mod bricks;
 mod circumnavigation;
+mod configuration_space;
 mod disjoint_sets;
 mod division;
 mod edge_weights;
+mod ground;
 mod instance;
 pub mod isograph;
 mod lower_bound;
 mod matching;
 pub mod mcfs;
+mod lane_tour;
+mod maximum_flow;
+mod minimum_lanes;
 mod plan;
 pub mod planners;
+mod recharging;
 mod repair;
 mod shortest_way;
 mod spanning_graph;
 mod spanning_trees;
+mod transfers;
 mod verify;
 
+pub use battery::{Battery, BreakOff, Station};
 pub use edge_weights::EdgeWeights;
 pub use instance::{Instance, InstanceError, Mode, Start};
 pub use lower_bound::lower_bound_s;
@@ -32,7 +42,7 @@ pub use planners::{PLANNERS, Planner};
 pub use spanning_trees::{TREES, Tree, tree_turns};
 pub use verify::{Figures, VerifyError, verify};
 
-use terrain::Cell;
+use terrain::{Cell, Point};
 use thiserror::Error;
 
 /// How to plan.
@@ -66,6 +76,21 @@ pub enum PlanError {
     /// No robot can get to this cell.
     #[error("cell {0} cannot be reached by any robot")]
     Unreachable(Cell),
+    /// A place that the battery does not last for.
+    #[error(
+        "the battery does not last to cell {cell} at {place} and on to a station: it lasts {capacity_s:.0} s, \
+         {needed_s:.0} s are needed; give a larger capacity or a nearer station"
+    )]
+    OutOfRange {
+        /// The cell.
+        cell: Cell,
+        /// The place in it.
+        place: Point,
+        /// What a full battery gives.
+        capacity_s: f64,
+        /// What the trip takes, with the reserve.
+        needed_s: f64,
+    },
     /// The planner made a plan that does not stand the test: our bug.
     #[error("the plan of `{planner}` does not hold: {source}")]
     Refuted {
@@ -128,6 +153,7 @@ fn checked(
     planner: &'static str,
 ) -> Result<VerifiedPlan, PlanError> {
     begin_where_robots_stand(instance, &mut plan);
+    let plan = recharging::with_charges(instance, plan)?;
     let figures = verify(instance, &plan).map_err(|source| PlanError::Refuted { planner, source })?;
     Ok(VerifiedPlan::new(plan, figures, planner))
 }
@@ -137,7 +163,7 @@ fn checked(
 fn begin_where_robots_stand(instance: &Instance<'_>, plan: &mut Plan) {
     for (route, start) in plan.routes.iter_mut().zip(&instance.starts) {
         let place = instance.place(start);
-        let apart = |point: Option<&terrain::Point>| point.is_some_and(|point| (point - place).norm() > 1e-6);
+        let apart = |point: Option<&Point>| point.is_some_and(|point| (point - place).norm() > 1e-6);
         if apart(route.points.first()) {
             route.points.insert(0, place);
         }
@@ -277,6 +303,57 @@ mod tests {
             prop_assert!(mfc_moves <= stc_moves + 1e-6, "mfc {mfc_moves}, stc {stc_moves}");
             let bound = lower_bound_s(&instance);
             prop_assert!(mfc_moves <= 8.0 * bound + 16.0, "mfc {mfc_moves}, bound {bound}");
+        }
+
+        /// `verify` never finds a stretch that outlasts the battery, and the optimal breaks are never worse than the
+        /// latest ones.
+        #[test]
+        fn no_stretch_outlasts_the_battery(
+            (floor, _, blocked, starts, [comes_back, ..]) in mission(),
+            capacity_s in 20.0_f64..200.0,
+            charge_s in prop::option::of(1.0_f64..40.0),
+            left in prop::option::of(0.2_f64..1.0),
+            queues in any::<bool>(),
+            stations in 1_usize..4,
+        ) {
+            let drivable: Vec<usize> = (0..floor.lattice().len()).filter(|&i| floor.is_drivable(i)).collect();
+            prop_assume!(!drivable.is_empty());
+            let places = starts.iter().map(|start| floor.lattice().cell(drivable[start % drivable.len()]));
+            let places: Vec<Cell> = places.take(drivable.len()).collect();
+            let motion = MotionModel { acceleration_m_per_s2: f64::INFINITY, ..MOTION };
+            let mode = if comes_back { Mode::CoverAndReturn } else { Mode::Cover };
+            let starts = places.iter().map(|&cell| Start::at(cell)).collect();
+            let mut instance = Instance::whole_floor(&floor, starts, motion, mode);
+            instance.blocked = blocked;
+            let instance = instance.with_open_starts();
+            let mut instance = Instance { visit: instance.reachable(), ..instance };
+            instance.starts.iter_mut().for_each(|start| start.charge_s = left.map(|left| left * capacity_s));
+            let queue_s = if queues { 7.0 } else { 0.0 };
+            let station = |&cell: &Cell| Station { queue_s, ..Station::at(cell) };
+            instance.stations = places.iter().take(stations).map(station).collect();
+            let mut costs_s: Vec<Vec<f64>> = Vec::new();
+            for break_off in [BreakOff::Optimal, BreakOff::Latest] {
+                let charge_s = charge_s.unwrap_or(0.0);
+                instance.battery = Some(Battery { charge_s, reserve_s: 3.0, break_off, capacity_s });
+                let options = PlanOptions { effort: 0, ..PlanOptions::default() };
+                match plan(&instance, &options) {
+                    Ok(plan) => {
+                        let figures = plan.figures();
+                        let own_s = figures.cost_s.iter().zip(&figures.waiting_s);
+                        let queued_s = |robot: usize| queue_s * figures.charges[robot] as f64;
+                        costs_s.push(own_s.enumerate().map(|(robot, (cost, wait))| cost - wait + queued_s(robot)).collect());
+                    }
+                    Err(PlanError::OutOfRange { needed_s, .. }) => {
+                        prop_assert!(needed_s > capacity_s - 1e-6, "{needed_s} {capacity_s}");
+                    }
+                    Err(other) => prop_assert!(false, "{other}"),
+                }
+            }
+            if let [optimal, latest] = &costs_s[..] {
+                for (optimal_s, latest_s) in optimal.iter().zip(latest) {
+                    prop_assert!(optimal_s <= &(latest_s + 1e-6), "{optimal_s} > {latest_s}");
+                }
+            }
         }
     }
 }

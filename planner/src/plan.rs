@@ -9,6 +9,24 @@ use terrain::Point;
 pub struct Route {
     /// The places, in the order of driving; straight lines between them.
     pub points: Vec<Point>,
+    /// Numbers of the points at which it charges, ascending; each is at a station.
+    pub charges: Vec<usize>,
+}
+
+impl Route {
+    /// A route along points, without a charge on the way.
+    pub const fn new(points: Vec<Point>) -> Self {
+        Self { points, charges: Vec::new() }
+    }
+
+    /// The stretches between charges, each with the point it charges at in the end (the last one has none). A
+    /// stretch begins and ends with the points charged at.
+    pub fn stretches(&self) -> impl Iterator<Item = &[Point]> {
+        let last = self.points.len().saturating_sub(1);
+        let begins = std::iter::once(0).chain(self.charges.iter().copied());
+        let ends = self.charges.iter().copied().chain(std::iter::once(last));
+        begins.zip(ends).map(|(begin, end)| self.points.get(begin..=end).unwrap_or_default())
+    }
 }
 
 /// One route per robot, in the order of the instance's starts.

@@ -1,5 +1,6 @@
 //! The table of planners. A new one is one file and one row here.
 
+mod boustrophedon_lanes;
 mod darp;
 mod forest_search;
 mod mcfs;
@@ -44,6 +45,12 @@ pub const PLANNERS: &[Planner] = &[
         paper: "Zheng, Jain, Koenig and Kempe 2005",
         is_slow: false,
         plan: mstc::plan_optimized,
+    },
+    Planner {
+        name: "boustrophedon-lanes",
+        paper: "ours, after Choset 2000",
+        is_slow: true,
+        plan: boustrophedon_lanes::plan,
     },
     Planner { name: "darp", paper: "Kapoutsis and others 2017", is_slow: true, plan: darp::plan },
     Planner {

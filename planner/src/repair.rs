@@ -236,7 +236,7 @@ impl<'a> Workshop<'a> {
             let from = *way.last().expect("it begins with the start");
             self.finder.go(self.instance, from, start, &mut way)?;
         }
-        Ok(Route { points: way.into_iter().map(|cell| self.instance.center(cell)).collect() })
+        Ok(Route::new(way.into_iter().map(|cell| self.instance.center(cell)).collect()))
     }
 }
 

@@ -2,7 +2,10 @@
 //!
 //! Routes are lines of points. One that goes from cell centre to cell centre by the moves of the floor passes cells,
 //! and every cell to visit must be passed. Any other line must be free for the body's disc all along and keep out of
-//! blocked cells; it is judged by what the tool's disc sweeps.
+//! blocked cells; it is judged by what the tool's disc sweeps. Where robots have a battery, no stretch between two
+//! charges may take longer than it lasts, and the time that robots wait for each other at chargers counts.
+
+mod charging;
 
 use crate::{Instance, Mode, Plan, Route};
 use terrain::{Cell, Direction, Point, Segment, SweptRaster, angle_between};
@@ -16,8 +19,12 @@ const TOLERANCE_M: f64 = 1e-6;
 pub struct Figures {
     /// Time until the last robot is done (its delay before the start included), seconds.
     pub makespan_s: f64,
-    /// Per robot: time, seconds.
+    /// Per robot: time, seconds. Charging, and waiting for a charger, is part of it.
     pub cost_s: Vec<f64>,
+    /// Per robot: of this, waiting at chargers, seconds.
+    pub waiting_s: Vec<f64>,
+    /// Per robot: charges on the way.
+    pub charges: Vec<usize>,
     /// Per robot: way, metres.
     pub length_m: Vec<f64>,
     /// Per robot: turns in place of more than 1°.
@@ -81,6 +88,26 @@ pub enum VerifyError {
         /// Number of the point.
         point: usize,
     },
+    /// A charge where there is no station, or out of order.
+    #[error("robot {robot} would charge at point {point} of its route, where no station is")]
+    NoStation {
+        /// Number of the robot.
+        robot: usize,
+        /// Number of the point.
+        point: usize,
+    },
+    /// A stretch from a charge (or the start) to the next one (or the end) that the battery does not last.
+    #[error("stretch {stretch} of robot {robot} takes {takes_s} s, its battery lasts {lasts_s} s")]
+    BatteryEmpty {
+        /// Number of the robot.
+        robot: usize,
+        /// Charges before it.
+        stretch: usize,
+        /// How long it takes.
+        takes_s: f64,
+        /// How long the battery lasts, the reserve left out.
+        lasts_s: f64,
+    },
     /// The mode asks to return, and a route ends elsewhere.
     #[error("robot {0} does not return to its start")]
     NoReturn(usize),
@@ -102,6 +129,7 @@ pub fn verify(instance: &Instance<'_>, plan: &Plan) -> Result<Figures, VerifyErr
     let mut along_lattice = true;
     for (robot, route) in plan.routes.iter().enumerate() {
         along_lattice &= check_route(instance, robot, route, &mut entered)?;
+        charging::check(instance, robot, route)?;
         sweep(instance, route, &mut raster);
     }
     let figures = measure(instance, plan, &entered, &raster, along_lattice);
@@ -142,8 +170,9 @@ fn check_route(
             enter(instance, entered, cell);
         } else {
             let way = free_way(instance, Segment::new(pair[0], pair[1])).ok_or(off_ground)?;
-            // To the centre of the start cell and back: where the lattice begins.
-            along_lattice &= way.iter().all(|&cell| cell == start.cell);
+            // To the centre of the cell with the start or a charger and back: where the lattice begins.
+            let docks = |cell| cell == start.cell || instance.stations.iter().any(|dock| dock.cell == cell);
+            along_lattice &= way.iter().all(|&cell| cell == way[0] && docks(cell));
             way.into_iter().skip(1).for_each(|cell| enter(instance, entered, cell));
         }
     }
@@ -155,7 +184,7 @@ fn check_route(
 }
 
 /// The cell that a move from the centre of a cell to that of its neighbour, or to itself, ends in.
-fn lattice_move(instance: &Instance<'_>, from: Point, to: Point) -> Option<Cell> {
+pub(crate) fn lattice_move(instance: &Instance<'_>, from: Point, to: Point) -> Option<Cell> {
     let lattice = instance.floor.lattice();
     let center = |point: Point| {
         lattice.cell_at(point).filter(|&cell| (point - lattice.center(cell)).norm() <= TOLERANCE_M)
@@ -191,6 +220,11 @@ fn sweep(instance: &Instance<'_>, route: &Route, raster: &mut SweptRaster) {
     }
 }
 
+/// Per robot: time, seconds.
+pub(crate) fn costs_s(instance: &Instance<'_>, plan: &Plan) -> Vec<f64> {
+    charging::play(instance, plan).iter().map(|shift| shift.cost_s).collect()
+}
+
 fn measure(
     instance: &Instance<'_>,
     plan: &Plan,
@@ -198,15 +232,8 @@ fn measure(
     raster: &SweptRaster,
     along_lattice: bool,
 ) -> Figures {
-    let cost_s: Vec<f64> = plan
-        .routes
-        .iter()
-        .zip(&instance.starts)
-        .map(|(route, start)| match route.points.len() {
-            0 | 1 => 0.0,
-            _ => start.available_in_s + instance.path_s(&route.points, start.heading_rad),
-        })
-        .collect();
+    let shifts = charging::play(instance, plan);
+    let cost_s: Vec<f64> = shifts.iter().map(|shift| shift.cost_s).collect();
     let (mut wanted, mut swept) = (0_u64, 0_u64);
     for index in (0..entered.len()).filter(|&index| instance.visit[index]) {
         let required = instance.floor.required(index);
@@ -217,6 +244,8 @@ fn measure(
     Figures {
         makespan_s: cost_s.iter().copied().fold(0.0, f64::max),
         cost_s,
+        waiting_s: shifts.iter().map(|shift| shift.waiting_s).collect(),
+        charges: plan.routes.iter().map(|route| route.charges.len()).collect(),
         length_m: plan.routes.iter().map(length_m).collect(),
         turns: plan.routes.iter().map(turns).collect(),
         coverage_ratio: if wanted == 0 { 1.0 } else { swept as f64 / wanted as f64 },
@@ -282,7 +311,7 @@ mod tests {
 
     fn route(cells: &[(i32, i32)]) -> Route {
         let lattice = *floor().lattice();
-        Route { points: cells.iter().map(|&(x, y)| lattice.center(Cell::new(x, y))).collect() }
+        Route::new(cells.iter().map(|&(x, y)| lattice.center(Cell::new(x, y))).collect())
     }
 
     fn judge(routes: Vec<Route>, change: impl FnOnce(&mut Instance<'_>)) -> Result<Figures, VerifyError> {
@@ -367,7 +396,7 @@ mod tests {
         let mut instance = Instance::whole_floor(&floor, vec![start], MOTION, Mode::Cover);
         instance.coverage_min = coverage_min;
         instance.blocked[15] = coverage_min < 0.1;
-        verify(&instance, &Plan { routes: vec![Route { points }] })
+        verify(&instance, &Plan { routes: vec![Route::new(points)] })
     }
 
     #[test]

@@ -179,7 +179,7 @@ mod tests {
     #[test]
     fn a_path_keeps_its_corners_and_its_way_back() {
         let points = [(0.0, 0.0), (1.0, 0.0), (2.0, 0.0), (2.0, 1.0), (2.0, 0.0)];
-        let route = Route { points: points.map(|(x, y)| Point::new(x, y)).to_vec() };
+        let route = Route::new(points.map(|(x, y)| Point::new(x, y)).to_vec());
         assert_eq!(corners(&route), [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [2.0, 0.0]]);
     }
 }

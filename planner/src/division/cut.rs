@@ -125,5 +125,5 @@ fn drive(
         let from = *way.last().expect("it begins with the start");
         finder.go(instance, from, start, &mut way)?;
     }
-    Ok(Route { points: way.into_iter().map(|cell| instance.center(cell)).collect() })
+    Ok(Route::new(way.into_iter().map(|cell| instance.center(cell)).collect()))
 }

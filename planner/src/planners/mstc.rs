@@ -182,7 +182,7 @@ impl Driver<'_> {
             self.back(&mut way, if second.is_empty() { &first } else { &second }, cell(place.at))?;
             self.go(&mut way, start)?;
         }
-        Ok(Route { points: way.into_iter().map(|cell| self.instance.center(cell)).collect() })
+        Ok(Route::new(way.into_iter().map(|cell| self.instance.center(cell)).collect()))
     }
 
     fn stretch(&mut self, way: &mut Vec<Cell>, cells: &[Cell]) -> Result<(), PlanError> {
