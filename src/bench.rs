@@ -35,7 +35,7 @@ pub struct BenchArgs {
     /// Write each table as .csv and .md into this folder, and pictures where there are some
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Put the tables between the marks of this benchmark in this Markdown file
+    /// Put the tables between the marks of this benchmark in this Markdown file, and pictures into `bench/` beside it
     #[arg(long, value_name = "FILE.md")]
     docs: Option<PathBuf>,
 }
@@ -76,12 +76,23 @@ fn write_files(folder: &Path, tables: &[Table]) -> Result<()> {
     std::fs::create_dir_all(folder).with_context(cannot)?;
     for table in tables {
         std::fs::write(folder.join(format!("{}.csv", table.name)), table.csv()).with_context(cannot)?;
-        std::fs::write(folder.join(format!("{}.md", table.name)), table.markdown()).with_context(cannot)?;
+        let markdown = table.markdown_with_pictures("");
+        std::fs::write(folder.join(format!("{}.md", table.name)), markdown).with_context(cannot)?;
+    }
+    write_pictures(folder, tables)
+}
+
+/// Writes the pictures of tables into a folder, if there are some.
+fn write_pictures(folder: &Path, tables: &[Table]) -> Result<()> {
+    let cannot = || format!("{}: cannot be written", folder.display());
+    for picture in tables.iter().flat_map(|table| &table.pictures) {
+        std::fs::create_dir_all(folder).with_context(cannot)?;
+        std::fs::write(folder.join(picture.file_name()), &picture.svg).with_context(cannot)?;
     }
     Ok(())
 }
 
-/// Replaces what stands between `<!-- bench NAME -->` and `<!-- end NAME -->`.
+/// Replaces what stands between `<!-- bench NAME -->` and `<!-- end NAME -->`; pictures go to `bench/` beside the page.
 fn write_section(path: &Path, benchmark: &Benchmark, args: &BenchArgs, tables: &[Table]) -> Result<()> {
     let text =
         std::fs::read_to_string(path).with_context(|| format!("{}: cannot be read", path.display()))?;
@@ -91,9 +102,10 @@ fn write_section(path: &Path, benchmark: &Benchmark, args: &BenchArgs, tables: &
         bail!("{}: the marks `{begin}` and `{end}` are not there", path.display());
     };
     let quick = if args.quick { " --quick" } else { "" };
-    let body: Vec<String> = tables.iter().map(Table::markdown).collect();
+    let body: Vec<String> = tables.iter().map(|table| table.markdown_with_pictures("bench")).collect();
     let head = format!("```sh\noxplow bench {name}{quick}\n```\n");
     let section = format!("{begin}\n## {name}: {}\n\n{head}\n{}\n", benchmark.about, body.join("\n"));
+    write_pictures(&path.with_file_name("bench"), tables)?;
     let whole = format!("{}{section}{}", &text[..from], &text[to..]);
     std::fs::write(path, whole).with_context(|| format!("{}: cannot be written", path.display()))
 }

@@ -1,7 +1,7 @@
 //! The planners on the instances of the papers, side by side with the printed figures.
 //!
 //! ```text
-//!   instances (../shared/instances) ──▶ Task ──▶ planner::plan ──▶ Table ──▶ CSV, Markdown
+//!   instances (../shared/instances) ──▶ Task ──▶ planner::plan ──▶ Table ──▶ CSV, Markdown, SVG
 //!                                                lower bound, user CPU
 //! ```
 //!
@@ -13,12 +13,15 @@ mod grid;
 mod grid_instances;
 mod growth;
 mod mfc;
+mod pictures;
+pub mod plot;
 mod tables;
 mod task;
 mod terrains;
 mod tmstc;
 mod tmstc_instances;
 
+pub use pictures::Picture;
 pub use tables::Table;
 
 use std::path::{Path, PathBuf};

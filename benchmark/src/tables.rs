@@ -1,5 +1,6 @@
 //! A table of results: Markdown for people, CSV for programs.
 
+use crate::Picture;
 use std::fmt::Write as _;
 
 /// A table. All cells are text; numbers are formatted by those who know them.
@@ -15,6 +16,8 @@ pub struct Table {
     pub columns: Vec<String>,
     /// One entry per column in each.
     pub rows: Vec<Vec<String>>,
+    /// What belongs to it.
+    pub pictures: Vec<Picture>,
 }
 
 impl Table {
@@ -26,6 +29,7 @@ impl Table {
             note: note.to_owned(),
             columns: columns.iter().map(|&column| column.to_owned()).collect(),
             rows: Vec::new(),
+            pictures: Vec::new(),
         }
     }
 
@@ -33,6 +37,12 @@ impl Table {
     pub fn push(&mut self, row: Vec<String>) {
         assert_eq!(row.len(), self.columns.len(), "one entry per column");
         self.rows.push(row);
+    }
+
+    /// As Markdown, with title, note, and links to its pictures in `folder` (as [`Picture::markdown`] has it).
+    pub fn markdown_with_pictures(&self, folder: &str) -> String {
+        let pictures = self.pictures.iter().map(|picture| format!("\n{}", picture.markdown(folder)));
+        self.markdown() + &pictures.collect::<String>()
     }
 
     /// As Markdown, with title and note.
@@ -92,5 +102,7 @@ mod tests {
         table.push(vec!["a, b".to_owned(), tenths(1.25)]);
         assert_eq!(table.csv(), "map,s\n\"a, b\",1.2\n");
         assert_eq!(table.markdown(), "### Title\n\nNote.\n\n| map | s |\n| --- | --: |\n| a, b | 1.2 |\n");
+        table.pictures.push(Picture::new("p", "Caption", String::new()));
+        assert!(table.markdown_with_pictures("bench").ends_with("| 1.2 |\n\n![Caption](bench/p.svg)\n"));
     }
 }
