@@ -14,6 +14,7 @@ mod edge_weights;
 mod instance;
 mod lower_bound;
 mod matching;
+mod perfect_matching;
 mod plan;
 pub mod planners;
 mod repair;

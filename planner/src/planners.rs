@@ -1,5 +1,6 @@
 //! The table of planners. A new one is one file and one row here.
 
+mod boustrophedon;
 mod darp;
 mod forest_search;
 mod mfc;

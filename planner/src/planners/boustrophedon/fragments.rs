@@ -1,0 +1,252 @@
+//! The small cells from which a decomposition is put together: the cuts of two sweeps, one square to the other, laid
+//! over each other, and what of the fragments touches.
+
+use super::{
+    directions::neighbours,
+    line_sweep::cell_raster,
+    raster::{NONE, Raster, Run},
+};
+use std::{
+    collections::{BTreeMap, VecDeque},
+    f64::consts::FRAC_PI_2,
+};
+
+/// Which fragments touch, and along how many squares.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Adjacency {
+    /// Per fragment its neighbours, in order, with the length of the common border.
+    pub(super) of: Vec<Vec<(u32, u32)>>,
+}
+
+/// Fragments as seen in some directions.
+#[derive(Debug)]
+pub(super) struct Fragments {
+    /// The fragments' numbers as labels, in rows along the main direction.
+    pub(super) raster: Raster,
+    pub(super) adjacency: Adjacency,
+    /// Directions of lanes that are tried, radians.
+    pub(super) angles_rad: Vec<f64>,
+    /// Per direction: the fragments' numbers in rows along it.
+    pub(super) rasters: Vec<Raster>,
+    /// Per direction and fragment: row and run of it, in order.
+    runs: Vec<Vec<Vec<(u32, Run)>>>,
+}
+
+impl Fragments {
+    /// Lays the cuts of lanes along the rows of `ground` and across them over each other. Pieces of fewer than
+    /// `least_area` squares make no cell of their own. `more_rad` are directions that fragments are also seen in.
+    pub(super) fn new(ground: &Raster, angle_rad: f64, more_rad: &[f64], least_area: u32) -> Self {
+        let along = cell_raster(ground, least_area);
+        let across = cell_raster(&ground.turned(angle_rad + FRAC_PI_2), least_area);
+        let raster = overlay(&along, &across, least_area);
+        let count = raster.labels().iter().filter(|&&label| label != NONE).max().map_or(0, |&most| most + 1);
+        let angles_rad: Vec<f64> =
+            [angle_rad, angle_rad + FRAC_PI_2].into_iter().chain(more_rad.iter().copied()).collect();
+        let rasters: Vec<Raster> = angles_rad.iter().map(|&angle| raster.turned(angle)).collect();
+        let runs = rasters.iter().map(|raster| runs_of(raster, count as usize)).collect();
+        Self { adjacency: Adjacency::new(&raster, count as usize), raster, angles_rad, rasters, runs }
+    }
+
+    /// Fragments that are the cells of one sweep: no other direction is tried.
+    pub(super) fn of_one_sweep(ground: &Raster, angle_rad: f64, least_area: u32) -> Self {
+        let raster = renumbered(cell_raster(ground, least_area), least_area);
+        let count = raster.labels().iter().filter(|&&label| label != NONE).max().map_or(0, |&most| most + 1);
+        let turned = raster.turned(angle_rad);
+        let runs = vec![runs_of(&turned, count as usize)];
+        let adjacency = Adjacency::new(&raster, count as usize);
+        Self { adjacency, raster, angles_rad: vec![angle_rad], rasters: vec![turned], runs }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.adjacency.of.len()
+    }
+
+    /// The rows of some fragments together: row, leftmost and rightmost square, in one direction. `None` when a row is torn
+    /// by more than `tolerance` squares, or two rows do not overlap: then the union is not monotone.
+    pub(super) fn monotone(
+        &self,
+        members: &[u32],
+        direction: usize,
+        tolerance: u32,
+    ) -> Option<Vec<(u32, Run)>> {
+        let rows = self.rows(members, direction);
+        let whole = rows.iter().all(|row| row.torn <= tolerance);
+        let linked = rows
+            .windows(2)
+            .all(|pair| pair[1].row - pair[0].row <= 1 + tolerance && pair[0].span.touches(&pair[1].span));
+        (whole && linked && !rows.is_empty()).then(|| rows.iter().map(|row| (row.row, row.span)).collect())
+    }
+
+    /// Number of rows that some fragments take in one direction.
+    pub(super) fn altitude(&self, members: &[u32], direction: usize) -> u32 {
+        let rows = self.rows(members, direction);
+        rows.first().zip(rows.last()).map_or(0, |(first, last)| last.row - first.row + 1)
+    }
+
+    /// The rows that some fragments take, torn or not.
+    pub(super) fn spans(&self, members: &[u32], direction: usize) -> Vec<(u32, Run)> {
+        self.rows(members, direction).iter().map(|row| (row.row, row.span)).collect()
+    }
+
+    fn rows(&self, members: &[u32], direction: usize) -> Vec<Row> {
+        let of = &self.runs[direction];
+        let mut all: Vec<(u32, Run)> =
+            members.iter().flat_map(|&member| of[member as usize].iter().copied()).collect();
+        all.sort_unstable_by_key(|(row, run)| (*row, run.from));
+        let mut rows: Vec<Row> = Vec::new();
+        for (row, run) in all {
+            match rows.last_mut() {
+                Some(last) if last.row == row => {
+                    last.torn = last.torn.max(run.from - last.span.to.min(run.from));
+                    last.span.to = last.span.to.max(run.to);
+                }
+                _ => rows.push(Row { row, span: run, torn: 0 }),
+            }
+        }
+        rows
+    }
+}
+
+/// What some fragments take of a row.
+struct Row {
+    row: u32,
+    span: Run,
+    /// The widest gap, squares.
+    torn: u32,
+}
+
+impl Adjacency {
+    fn new(raster: &Raster, count: usize) -> Self {
+        let mut shared: BTreeMap<(u32, u32), u32> = BTreeMap::new();
+        let (columns, labels) = (raster.columns(), raster.labels());
+        for at in 0..labels.len() {
+            let right = ((at + 1) % columns > 0).then_some(at + 1);
+            let above = (at + columns < labels.len()).then_some(at + columns);
+            for next in [right, above].into_iter().flatten() {
+                let (one, other) = (labels[at].min(labels[next]), labels[at].max(labels[next]));
+                if one != other && other != NONE {
+                    *shared.entry((one, other)).or_default() += 1;
+                }
+            }
+        }
+        let mut of = vec![Vec::new(); count];
+        for ((one, other), length) in shared {
+            of[one as usize].push((other, length));
+            of[other as usize].push((one, length));
+        }
+        of.iter_mut().for_each(|list| list.sort_unstable());
+        Self { of }
+    }
+}
+
+fn runs_of(raster: &Raster, count: usize) -> Vec<Vec<(u32, Run)>> {
+    let mut runs = vec![Vec::new(); count];
+    for (row, slice) in raster.slices().into_iter().enumerate() {
+        for run in slice {
+            runs[run.label as usize].push((row as u32, run));
+        }
+    }
+    runs
+}
+
+/// Connected pieces of squares that share both their cells. Small pieces go to what is beside them.
+fn overlay(along: &Raster, across: &Raster, least_area: u32) -> Raster {
+    let mut pairs: BTreeMap<(u32, u32), u32> = BTreeMap::new();
+    let across = Raster::new(*along.frame(), |point| across.label_at(point));
+    let mut both = along.clone();
+    for (one, &other) in both.labels_mut().iter_mut().zip(across.labels()) {
+        if *one != NONE || other != NONE {
+            let next = pairs.len() as u32;
+            *one = *pairs.entry((*one, other)).or_insert(next);
+        }
+    }
+    renumbered(both, least_area)
+}
+
+/// Connected pieces of one label, numbered in the order of their first squares. Small pieces take the label of what is
+/// beside them; small ones with nothing beside them are left out.
+fn renumbered(mut raster: Raster, least_area: u32) -> Raster {
+    let (columns, squares) = (raster.columns(), raster.labels().len());
+    let old = raster.labels().to_vec();
+    let labels = raster.labels_mut();
+    labels.fill(NONE);
+    let mut seen = vec![false; squares];
+    let mut count = 0;
+    for first in 0..squares {
+        if old[first] == NONE || seen[first] {
+            continue;
+        }
+        let piece = connected(first, &old, &mut seen, columns);
+        if piece.len() >= least_area as usize {
+            piece.iter().for_each(|&square| labels[square] = count);
+            count += 1;
+        }
+    }
+    grow(labels, &old, columns);
+    raster
+}
+
+fn connected(first: usize, labels: &[u32], seen: &mut [bool], columns: usize) -> Vec<usize> {
+    let mut piece = vec![first];
+    seen[first] = true;
+    let mut next = 0;
+    while next < piece.len() {
+        for square in neighbours(piece[next], columns, labels.len()) {
+            if labels[square] == labels[first] && !seen[square] {
+                seen[square] = true;
+                piece.push(square);
+            }
+        }
+        next += 1;
+    }
+    piece
+}
+
+/// Spreads labels evenly over the ground that has none.
+fn grow(labels: &mut [u32], ground: &[u32], columns: usize) {
+    let mut queue: VecDeque<usize> = (0..labels.len()).filter(|&square| labels[square] != NONE).collect();
+    while let Some(at) = queue.pop_front() {
+        for next in neighbours(at, columns, ground.len()) {
+            if ground[next] != NONE && labels[next] == NONE {
+                labels[next] = labels[at];
+                queue.push_back(next);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::planners::boustrophedon::raster::tests::drawn;
+
+    const HALL: &str = "000000\n000000\n00..00\n00..00\n000000";
+
+    #[test]
+    fn cuts_both_ways_make_a_fragment_of_each_corner() {
+        let fragments = Fragments::new(&drawn(HALL), 0.0, &[], 0);
+        assert_eq!(fragments.len(), 8, "four corners and four sides");
+        assert!(fragments.adjacency.of.iter().all(|beside| beside.len() == 2));
+    }
+
+    #[test]
+    fn a_union_is_monotone_in_one_direction_and_not_in_the_other() {
+        // Fragments of one sweep: below, left, right, above.
+        let fragments = Fragments::of_one_sweep(&drawn(HALL), 0.0, 0);
+        assert_eq!(fragments.len(), 4);
+        assert!(fragments.monotone(&[0, 1], 0, 0).is_some(), "a row below, then the left one");
+        assert!(fragments.monotone(&[1, 2], 0, 0).is_none(), "the pillar tears these rows");
+        assert!(fragments.monotone(&[1, 2], 0, 2).is_some(), "unless it is small enough");
+        assert!(fragments.monotone(&[0, 3], 0, 0).is_none(), "rows are missing between them");
+        assert_eq!(fragments.altitude(&[0, 1, 3], 0), 5);
+    }
+
+    #[test]
+    fn small_fragments_go_to_their_neighbours() {
+        let fragments = Fragments::new(&drawn(HALL), 0.0, &[], 3);
+        let area = |label| fragments.raster.labels().iter().filter(|&&found| found == label).count();
+        let areas: Vec<usize> = (0..fragments.len() as u32).map(area).collect();
+        assert_eq!(areas.iter().sum::<usize>(), 26);
+        assert!(areas.iter().all(|&area| area >= 3), "{areas:?}");
+    }
+}
