@@ -8,6 +8,7 @@
 mod block_trees;
 mod bricks;
 mod circumnavigation;
+mod configuration_space;
 mod disjoint_sets;
 mod division;
 mod edge_weights;
@@ -21,6 +22,7 @@ mod repair;
 mod shortest_way;
 mod spanning_graph;
 mod spanning_trees;
+mod transfers;
 mod verify;
 
 pub use edge_weights::EdgeWeights;
