@@ -93,7 +93,7 @@ fn hulls(ground: &Raster) -> Vec<Vec<Corner>> {
 }
 
 /// Per square the number of the connected piece (of ground, or of what is no ground) it belongs to.
-fn pieces(ground: &Raster) -> (Vec<u32>, usize) {
+pub(super) fn pieces(ground: &Raster) -> (Vec<u32>, usize) {
     let (columns, labels) = (ground.columns(), ground.labels());
     let mut piece = vec![NONE; labels.len()];
     let mut count = 0;

@@ -46,9 +46,12 @@ impl Frame {
 
     /// Centre of a square.
     pub(super) fn place(&self, column: u32, row: u32) -> Point {
-        let across = Vector::new(-self.along.y, self.along.x);
-        let (u, v) = (f64::from(column) + 0.5, f64::from(row) + 0.5);
-        self.corner + (self.along * u + across * v) * self.step_m
+        self.point(f64::from(column) + 0.5, f64::from(row) + 0.5)
+    }
+
+    /// The point so many squares along and across.
+    pub(super) fn point(&self, along: f64, across: f64) -> Point {
+        self.corner + (self.along * along + Vector::new(-self.along.y, self.along.x) * across) * self.step_m
     }
 
     /// Number of the square that holds a point, if it is one of ours.
