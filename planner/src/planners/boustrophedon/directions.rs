@@ -25,7 +25,7 @@ pub(super) fn candidates(ground: &Raster, least_m: f64, most: usize) -> Vec<f64>
         let weight = |angle: f64| -> f64 { near(&edges, angle).map(|(_, length_m)| length_m).sum() };
         let best = edges.iter().map(|&(angle, _)| angle).max_by(|&a, &b| weight(a).total_cmp(&weight(b)));
         let best = best.expect("there are edges");
-        let mean = near(&edges, best).map(|(angle, length_m)| turn(best, angle) * length_m).sum::<f64>()
+        let mean = near(&edges, best).map(|&(angle, length_m)| turn(best, angle) * length_m).sum::<f64>()
             / weight(best);
         chosen.push(snapped((best + mean).rem_euclid(PI)));
         edges.retain(|&(angle, _)| turn(best, angle).abs() > 2.0 * SAME_RAD);
@@ -53,7 +53,7 @@ pub(super) fn turn(from: f64, to: f64) -> f64 {
     if turn > FRAC_PI_2 { turn - PI } else { turn }
 }
 
-fn near(edges: &[(f64, f64)], angle: f64) -> impl Iterator<Item = &(f64, f64)> {
+fn near(edges: &[(f64, f64)], angle: f64) -> impl Iterator<Item = &(f64, f64)> + '_ {
     edges.iter().filter(move |edge| turn(angle, edge.0).abs() <= SAME_RAD)
 }
 
