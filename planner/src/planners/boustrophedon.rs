@@ -69,12 +69,12 @@ pub(super) fn cover(
 ) -> Result<Plan, PlanError> {
     let space = ConfigurationSpace::new(instance);
     let mut transfers = Transfers::new(&space);
-    let (fragments, regions) = segmentation::segment(&space, segmentation);
     let step_m = space.places().cell_m;
     let widths = Widths {
         tool: instance.floor.tool_width_m() / step_m,
         body_radius: instance.floor.body_radius_m() / step_m,
     };
+    let (fragments, regions) = segmentation::segment(&space, widths, segmentation);
     let cells = cell_paths(&fragments, &regions, widths, &mut transfers);
     let stations: Vec<Point> = instance.starts.iter().map(|start| instance.center(start.cell)).collect();
     let corners = cells.iter().flat_map(CellPath::ends);

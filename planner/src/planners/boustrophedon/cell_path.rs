@@ -28,7 +28,6 @@ const PHASES: u32 = 12;
 pub(super) struct CellPath {
     /// The lowest lane to the right first, and to the left first. Both can be driven backwards, too.
     pub(super) paths: [Way; 2],
-    pub(super) lanes: usize,
 }
 
 /// Body and tool, in squares.
@@ -36,6 +35,13 @@ pub(super) struct CellPath {
 pub(super) struct Widths {
     pub(super) tool: f64,
     pub(super) body_radius: f64,
+}
+
+impl Widths {
+    /// Rows may be torn by a gap of half a tool.
+    pub(super) fn tolerance(&self) -> u32 {
+        (self.tool / 2.0) as u32
+    }
 }
 
 /// The paths of all regions; regions that lanes of others sweep have none.
@@ -76,16 +82,18 @@ struct Strip {
 impl Strip {
     fn new(fragments: &Fragments, region: &Region, widths: Widths) -> Self {
         let direction = region.sweep.direction;
-        let rows = fragments.spans(&region.members, direction);
-        let (first, last) = (rows[0], rows[rows.len() - 1]);
+        let union = fragments.union(&region.members, direction);
+        let (first, last) = (union.rows[0], union.rows[union.rows.len() - 1]);
         let raster = &fragments.rasters[direction];
         let beyond = (widths.body_radius.min(widths.tool / 2.0) - 0.5).max(0.0);
         let reach = |row: i64, run: &Run| if is_wall(raster, row, run) { beyond } else { 0.0 };
+        let core = union.core(widths.tolerance());
+        let core = if core.is_empty() { &union.rows[..] } else { core };
         Self {
             direction,
-            low: f64::from(first.0) - reach(i64::from(first.0) - 1, &first.1),
-            high: f64::from(last.0 + 1) + reach(i64::from(last.0) + 1, &last.1),
-            rows,
+            low: f64::from(first.row) - reach(i64::from(first.row) - 1, &first.span),
+            high: f64::from(last.row + 1) + reach(i64::from(last.row) + 1, &last.span),
+            rows: core.iter().map(|row| (row.row, row.span)).collect(),
         }
     }
 
@@ -190,7 +198,7 @@ impl CellPath {
     fn new(lanes: &[Vec<Segment>], transfers: &mut Transfers<'_, '_>) -> Option<Self> {
         let right = back_and_forth(lanes, 0, transfers)?;
         let left = back_and_forth(lanes, 1, transfers)?;
-        Some(Self { paths: [right, left], lanes: lanes.len() })
+        Some(Self { paths: [right, left] })
     }
 }
 

@@ -3,7 +3,7 @@
 
 use super::{
     directions::neighbours,
-    line_sweep::cell_raster,
+    line_sweep::{Least, cell_raster},
     raster::{NONE, Raster, Run},
 };
 use std::{
@@ -21,8 +21,6 @@ pub(super) struct Adjacency {
 /// Fragments as seen in some directions.
 #[derive(Debug)]
 pub(super) struct Fragments {
-    /// The fragments' numbers as labels, in rows along the main direction.
-    pub(super) raster: Raster,
     pub(super) adjacency: Adjacency,
     /// Directions of lanes that are tried, radians.
     pub(super) angles_rad: Vec<f64>,
@@ -33,59 +31,37 @@ pub(super) struct Fragments {
 }
 
 impl Fragments {
-    /// Lays the cuts of lanes along the rows of `ground` and across them over each other. Pieces of fewer than
-    /// `least_area` squares make no cell of their own. `more_rad` are directions that fragments are also seen in.
-    pub(super) fn new(ground: &Raster, angle_rad: f64, more_rad: &[f64], least_area: u32) -> Self {
-        let along = cell_raster(ground, least_area);
-        let across = cell_raster(&ground.turned(angle_rad + FRAC_PI_2), least_area);
-        let raster = overlay(&along, &across, least_area);
+    /// Lays the cuts of lanes along the rows of `ground` and across them over each other. What is less than `least`
+    /// makes no cell of its own. `more_rad` are directions that fragments are also seen in.
+    pub(super) fn new(ground: &Raster, angle_rad: f64, more_rad: &[f64], least: Least) -> Self {
+        let along = cell_raster(ground, least);
+        let across = cell_raster(&ground.turned(angle_rad + FRAC_PI_2), least);
+        let raster = overlay(&along, &across, least.area);
         let count = raster.labels().iter().filter(|&&label| label != NONE).max().map_or(0, |&most| most + 1);
         let angles_rad: Vec<f64> =
             [angle_rad, angle_rad + FRAC_PI_2].into_iter().chain(more_rad.iter().copied()).collect();
         let rasters: Vec<Raster> = angles_rad.iter().map(|&angle| raster.turned(angle)).collect();
         let runs = rasters.iter().map(|raster| runs_of(raster, count as usize)).collect();
-        Self { adjacency: Adjacency::new(&raster, count as usize), raster, angles_rad, rasters, runs }
+        Self { adjacency: Adjacency::new(&raster, count as usize), angles_rad, rasters, runs }
     }
 
     /// Fragments that are the cells of one sweep: no other direction is tried.
-    pub(super) fn of_one_sweep(ground: &Raster, angle_rad: f64, least_area: u32) -> Self {
-        let raster = renumbered(cell_raster(ground, least_area), least_area);
+    pub(super) fn of_one_sweep(ground: &Raster, angle_rad: f64, least: Least) -> Self {
+        let raster = renumbered(cell_raster(ground, least), least.area);
         let count = raster.labels().iter().filter(|&&label| label != NONE).max().map_or(0, |&most| most + 1);
         let turned = raster.turned(angle_rad);
         let runs = vec![runs_of(&turned, count as usize)];
         let adjacency = Adjacency::new(&raster, count as usize);
-        Self { adjacency, raster, angles_rad: vec![angle_rad], rasters: vec![turned], runs }
+        Self { adjacency, angles_rad: vec![angle_rad], rasters: vec![turned], runs }
     }
 
     pub(super) fn len(&self) -> usize {
         self.adjacency.of.len()
     }
 
-    /// The rows of some fragments together: row, leftmost and rightmost square, in one direction. `None` when a row is torn
-    /// by more than `tolerance` squares, or two rows do not overlap: then the union is not monotone.
-    pub(super) fn monotone(
-        &self,
-        members: &[u32],
-        direction: usize,
-        tolerance: u32,
-    ) -> Option<Vec<(u32, Run)>> {
-        let rows = self.rows(members, direction);
-        let whole = rows.iter().all(|row| row.torn <= tolerance);
-        let linked = rows
-            .windows(2)
-            .all(|pair| pair[1].row - pair[0].row <= 1 + tolerance && pair[0].span.touches(&pair[1].span));
-        (whole && linked && !rows.is_empty()).then(|| rows.iter().map(|row| (row.row, row.span)).collect())
-    }
-
-    /// Number of rows that some fragments take in one direction.
-    pub(super) fn altitude(&self, members: &[u32], direction: usize) -> u32 {
-        let rows = self.rows(members, direction);
-        rows.first().zip(rows.last()).map_or(0, |(first, last)| last.row - first.row + 1)
-    }
-
-    /// The rows that some fragments take, torn or not.
-    pub(super) fn spans(&self, members: &[u32], direction: usize) -> Vec<(u32, Run)> {
-        self.rows(members, direction).iter().map(|row| (row.row, row.span)).collect()
+    /// Some fragments together as rows, torn or not.
+    pub(super) fn union(&self, members: &[u32], direction: usize) -> Union {
+        Union { rows: self.rows(members, direction) }
     }
 
     fn rows(&self, members: &[u32], direction: usize) -> Vec<Row> {
@@ -108,11 +84,47 @@ impl Fragments {
 }
 
 /// What some fragments take of a row.
-struct Row {
-    row: u32,
-    span: Run,
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Row {
+    pub(super) row: u32,
+    /// From the leftmost to the rightmost square.
+    pub(super) span: Run,
     /// The widest gap, squares.
     torn: u32,
+}
+
+/// Fragments together, row by row.
+#[derive(Debug, Clone)]
+pub(super) struct Union {
+    pub(super) rows: Vec<Row>,
+}
+
+impl Union {
+    /// Extent across the lanes, squares.
+    pub(super) fn altitude(&self) -> u32 {
+        self.rows.first().zip(self.rows.last()).map_or(0, |(first, last)| last.row - first.row + 1)
+    }
+
+    /// Whether lanes along the rows cross nothing else: no row is torn by more than `tolerance` squares, and each overlaps the
+    /// one before. The outer `tolerance` rows on either side, along ragged walls, may be torn.
+    pub(super) fn is_monotone(&self, tolerance: u32) -> bool {
+        let rows = self.core(tolerance);
+        let whole = rows.iter().all(|row| row.torn <= tolerance);
+        let linked = rows
+            .windows(2)
+            .all(|pair| pair[1].row - pair[0].row <= 1 + tolerance && pair[0].span.touches(&pair[1].span));
+        whole && linked && !rows.is_empty()
+    }
+
+    /// Without torn outer rows, of which at most `most` are left out on either side.
+    pub(super) fn core(&self, most: u32) -> &[Row] {
+        let torn = |row: &Row| row.torn > most;
+        let (Some(first), Some(last)) = (self.rows.first(), self.rows.last()) else { return &[] };
+        let inner = |row: &Row| !torn(row) || row.row - first.row >= most && last.row - row.row >= most;
+        let from = self.rows.iter().position(inner).unwrap_or(0);
+        let to = self.rows.iter().rposition(inner).map_or(self.rows.len(), |at| at + 1);
+        &self.rows[from..to]
+    }
 }
 
 impl Adjacency {
@@ -155,9 +167,11 @@ fn overlay(along: &Raster, across: &Raster, least_area: u32) -> Raster {
     let across = Raster::new(*along.frame(), |point| across.label_at(point));
     let mut both = along.clone();
     for (one, &other) in both.labels_mut().iter_mut().zip(across.labels()) {
-        if *one != NONE || other != NONE {
+        if *one != NONE && other != NONE {
             let next = pairs.len() as u32;
             *one = *pairs.entry((*one, other)).or_insert(next);
+        } else {
+            *one = NONE;
         }
     }
     renumbered(both, least_area)
@@ -224,7 +238,7 @@ mod tests {
 
     #[test]
     fn cuts_both_ways_make_a_fragment_of_each_corner() {
-        let fragments = Fragments::new(&drawn(HALL), 0.0, &[], 0);
+        let fragments = Fragments::new(&drawn(HALL), 0.0, &[], Least::default());
         assert_eq!(fragments.len(), 8, "four corners and four sides");
         assert!(fragments.adjacency.of.iter().all(|beside| beside.len() == 2));
     }
@@ -232,19 +246,20 @@ mod tests {
     #[test]
     fn a_union_is_monotone_in_one_direction_and_not_in_the_other() {
         // Fragments of one sweep: below, left, right, above.
-        let fragments = Fragments::of_one_sweep(&drawn(HALL), 0.0, 0);
+        let fragments = Fragments::of_one_sweep(&drawn(HALL), 0.0, Least::default());
         assert_eq!(fragments.len(), 4);
-        assert!(fragments.monotone(&[0, 1], 0, 0).is_some(), "a row below, then the left one");
-        assert!(fragments.monotone(&[1, 2], 0, 0).is_none(), "the pillar tears these rows");
-        assert!(fragments.monotone(&[1, 2], 0, 2).is_some(), "unless it is small enough");
-        assert!(fragments.monotone(&[0, 3], 0, 0).is_none(), "rows are missing between them");
-        assert_eq!(fragments.altitude(&[0, 1, 3], 0), 5);
+        let is_monotone = |members: &[u32], tolerance| fragments.union(members, 0).is_monotone(tolerance);
+        assert!(is_monotone(&[0, 1], 0), "a row below, then the left one");
+        assert!(!is_monotone(&[1, 2], 0), "the pillar tears these rows");
+        assert!(is_monotone(&[1, 2], 2), "unless it is small enough");
+        assert!(!is_monotone(&[0, 3], 0), "rows are missing between them");
+        assert_eq!(fragments.union(&[0, 1, 3], 0).altitude(), 5);
     }
 
     #[test]
     fn small_fragments_go_to_their_neighbours() {
-        let fragments = Fragments::new(&drawn(HALL), 0.0, &[], 3);
-        let area = |label| fragments.raster.labels().iter().filter(|&&found| found == label).count();
+        let fragments = Fragments::new(&drawn(HALL), 0.0, &[], Least { area: 3, rows: 0 });
+        let area = |label| fragments.rasters[0].labels().iter().filter(|&&found| found == label).count();
         let areas: Vec<usize> = (0..fragments.len() as u32).map(area).collect();
         assert_eq!(areas.iter().sum::<usize>(), 26);
         assert!(areas.iter().all(|&area| area >= 3), "{areas:?}");

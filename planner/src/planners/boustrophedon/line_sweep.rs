@@ -15,11 +15,27 @@ use super::raster::{NONE, Raster, Run};
 /// A piece of ground that each row meets in one run: rows `first_row..` one after another.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct SweptCell {
-    pub(super) first_row: u32,
-    pub(super) runs: Vec<Run>,
+    first_row: u32,
+    runs: Vec<Run>,
+    /// Runs that its first row touches below it, and its last row above it.
+    touches: [usize; 2],
+}
+
+/// What is less is no cell.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Least {
+    /// Number of squares.
+    pub(super) area: u32,
+    /// Number of rows, of pockets.
+    pub(super) rows: u32,
 }
 
 impl SweptCell {
+    fn is_less_than(&self, least: Least) -> bool {
+        let is_pocket = matches!(self.touches, [0, 1] | [1, 0]);
+        self.area() < least.area || is_pocket && self.runs.len() < least.rows as usize
+    }
+
     /// Number of squares.
     fn area(&self) -> u32 {
         self.runs.iter().map(Run::length).sum()
@@ -33,6 +49,9 @@ pub(super) fn cells(ground: &Raster) -> Vec<SweptCell> {
     for (row, slice) in ground.slices().into_iter().enumerate() {
         let mut here = joined(&slice);
         let (ups, downs) = overlaps(&before, &here);
+        for (run, ups) in before.iter().zip(&ups) {
+            cells[run.label as usize].touches[1] = ups.len();
+        }
         for (number, run) in here.iter_mut().enumerate() {
             let goes_on = match downs[number][..] {
                 [below] if ups[below].len() == 1 => Some(before[below].label),
@@ -40,7 +59,11 @@ pub(super) fn cells(ground: &Raster) -> Vec<SweptCell> {
             };
             run.label = goes_on.unwrap_or(cells.len() as u32);
             if goes_on.is_none() {
-                cells.push(SweptCell { first_row: row as u32, runs: Vec::new() });
+                cells.push(SweptCell {
+                    first_row: row as u32,
+                    runs: Vec::new(),
+                    touches: [downs[number].len(), 0],
+                });
             }
             cells[run.label as usize].runs.push(*run);
         }
@@ -49,19 +72,18 @@ pub(super) fn cells(ground: &Raster) -> Vec<SweptCell> {
     cells
 }
 
-/// The ground with the numbers of its cells as labels, after cells of fewer than `least_area` squares have been taken
-/// out, again and again: with them go the events that they cause.
-pub(super) fn cell_raster(ground: &Raster, least_area: u32) -> Raster {
+/// The ground with the numbers of its cells as labels, after cells that are too small have been taken out, again and
+/// again: with them go the events that they cause.
+pub(super) fn cell_raster(ground: &Raster, least: Least) -> Raster {
     let mut raster = ground.clone();
     loop {
         let cells = cells(&raster);
-        let small = |cell: &&SweptCell| cell.area() < least_area;
-        let found = cells.iter().any(|cell| small(&cell));
-        if !found {
-            cells.iter().for_each(|cell| paint(&mut raster, cell, None));
+        let (small, large): (Vec<_>, Vec<_>) = cells.iter().partition(|cell| cell.is_less_than(least));
+        small.iter().for_each(|cell| paint(&mut raster, cell, Some(NONE)));
+        if small.is_empty() {
+            large.iter().for_each(|cell| paint(&mut raster, cell, None));
             return raster;
         }
-        cells.iter().filter(small).for_each(|cell| paint(&mut raster, cell, Some(NONE)));
     }
 }
 
@@ -113,14 +135,24 @@ mod tests {
     #[test]
     fn an_obstacle_opens_and_closes_cells() {
         let ground = drawn("000000\n000000\n00.000\n00..00\n000000");
-        assert_eq!(text(&cell_raster(&ground, 0)), "333333\n333333\n11.222\n11..22\n000000\n");
+        assert_eq!(text(&cell_raster(&ground, Least::default())), "333333\n333333\n11.222\n11..22\n000000\n");
     }
 
     #[test]
     fn a_pocket_is_a_cell_until_it_is_too_small() {
         let ground = drawn("000000\n00.0.0\n00.0.0");
-        assert_eq!(text(&cell_raster(&ground, 0)), "333333\n00.1.2\n00.1.2\n");
-        assert_eq!(text(&cell_raster(&ground, 3)), "000000\n00....\n00....\n");
+        assert_eq!(text(&cell_raster(&ground, Least::default())), "333333\n00.1.2\n00.1.2\n");
+        assert_eq!(text(&cell_raster(&ground, Least { area: 3, rows: 0 })), "000000\n00....\n00....\n");
+    }
+
+    #[test]
+    fn a_flat_pocket_is_no_cell_but_a_flat_passage_is() {
+        let ground = drawn("00...00\n00...00\n0000000\n00...00");
+        let least = Least { area: 0, rows: 2 };
+        assert_eq!(
+            text(&cell_raster(&ground, least)),
+            "22...33\n22...33\n1111111\n.......\n".replace('1', "0").replace('2', "1").replace('3', "2")
+        );
     }
 
     #[test]

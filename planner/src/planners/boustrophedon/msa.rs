@@ -5,10 +5,14 @@
 //! O(3^K). The paper's heuristic for many: parts of the graph of at most K fragments, each solved exactly, then
 //! neighbouring cells are merged while that lowers the sum (`merging.rs`).
 //!
-//! An altitude below one tool width counts as one: a cell has at least one lane. (Our departure.)
+//! Our departure: an altitude below one tool width counts as one, since a cell has at least one lane, and each cell
+//! adds half a tool width, for the way to it.
 
-use super::fragments::{Adjacency, Fragments};
+use super::fragments::{Adjacency, Fragments, Union};
 use std::collections::BTreeSet;
+
+/// What a cell costs beside its altitude, in tool widths.
+const CELL: f64 = 0.5;
 
 /// Fragments swept together in one direction.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,7 +34,7 @@ pub(super) struct Sweep {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Altitudes<'a> {
     pub(super) fragments: &'a Fragments,
-    /// Gaps of so many squares do not tear a row.
+    /// As of [`Union::is_monotone`], squares.
     pub(super) tolerance: u32,
     /// Width of the tool, squares.
     pub(super) tool: f64,
@@ -39,9 +43,7 @@ pub(super) struct Altitudes<'a> {
 impl Altitudes<'_> {
     /// The least altitude of all directions in which the union is monotone.
     pub(super) fn least(&self, members: &[u32]) -> Option<Sweep> {
-        let monotone =
-            |&direction: &usize| self.fragments.monotone(members, direction, self.tolerance).is_some();
-        self.least_of(members, monotone)
+        self.least_of(members, |union| union.is_monotone(self.tolerance))
     }
 
     /// The same for a fragment alone, which has to be swept somehow.
@@ -50,14 +52,14 @@ impl Altitudes<'_> {
         any.expect("there is a direction")
     }
 
-    fn least_of(&self, members: &[u32], allowed: impl Fn(&usize) -> bool) -> Option<Sweep> {
-        let sweep = |direction| Sweep {
-            direction,
-            altitude: f64::from(self.fragments.altitude(members, direction)).max(self.tool),
+    fn least_of(&self, members: &[u32], allowed: impl Fn(&Union) -> bool) -> Option<Sweep> {
+        let sweep = |direction| {
+            let union = self.fragments.union(members, direction);
+            let altitude = f64::from(union.altitude()).max(self.tool) + CELL * self.tool;
+            allowed(&union).then_some(Sweep { direction, altitude })
         };
         (0..self.fragments.angles_rad.len())
-            .filter(allowed)
-            .map(sweep)
+            .filter_map(sweep)
             .min_by(|a, b| a.altitude.total_cmp(&b.altitude))
     }
 }

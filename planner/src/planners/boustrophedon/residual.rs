@@ -84,7 +84,11 @@ fn first_gains(instance: &Instance<'_>, missing: &Missing, radius_m: f64) -> Bin
         .collect()
 }
 
-fn cells_around<'a>(instance: &'a Instance<'_>, cell: Cell, radius_m: f64) -> impl Iterator<Item = usize> + 'a {
+fn cells_around<'a>(
+    instance: &'a Instance<'_>,
+    cell: Cell,
+    radius_m: f64,
+) -> impl Iterator<Item = usize> + 'a {
     let lattice = instance.floor.lattice();
     let center = lattice.center(cell);
     let reach_m = radius_m + lattice.cell_m;

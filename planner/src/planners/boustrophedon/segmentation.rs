@@ -1,8 +1,10 @@
 //! From what a robot reaches to the cells that are swept.
 
 use super::{
+    cell_path::Widths,
     directions::{candidates, main_direction, pieces, turn},
     fragments::Fragments,
+    line_sweep::Least,
     merging::merged,
     msa::{Altitudes, Region, Sweep, exact, parts},
     raster::{Frame, NONE, Raster},
@@ -18,8 +20,8 @@ const EDGE: f64 = 3.0;
 /// Directions that are looked for, and those that cells may have beside the main ones.
 const DIRECTIONS: usize = 5;
 const MORE: usize = 2;
-/// A row may be torn by a gap of this share of the tool's width.
-const TOLERANCE: f64 = 0.5;
+/// Pockets thinner than this share of the tool's width are no cells.
+const THIN: f64 = 0.35;
 /// Least area of a cell, as a share of a square as wide as the tool.
 const LEAST_AREA: f64 = 1.0;
 
@@ -37,18 +39,18 @@ pub(in super::super) enum Segmentation {
 /// The cells of the ground that is to be swept.
 pub(super) fn segment(
     space: &ConfigurationSpace<'_>,
+    widths: Widths,
     segmentation: Segmentation,
 ) -> (Fragments, Vec<Region>) {
     let ground = ground(space);
-    let tool_m = space.instance().floor.tool_width_m();
-    let tool = tool_m / ground.frame().step_m();
-    let least_area = (LEAST_AREA * tool * tool) as u32;
+    let (tool_m, tool) = (space.instance().floor.tool_width_m(), widths.tool);
+    let least = Least { area: (LEAST_AREA * tool * tool) as u32, rows: (THIN * tool) as u32 + 1 };
     let found = candidates(&ground, EDGE * tool_m, DIRECTIONS);
     let main = main_direction(&ground, &found);
     let one_way = |towards: f64| {
         let square = main + FRAC_PI_2;
         let angle = if turn(main, towards).abs() <= turn(square, towards).abs() { main } else { square };
-        Fragments::of_one_sweep(&ground.turned(angle), angle, least_area)
+        Fragments::of_one_sweep(&ground.turned(angle), angle, least)
     };
     let fragments = match segmentation {
         Segmentation::Horizontal => one_way(0.0),
@@ -58,10 +60,10 @@ pub(super) fn segment(
                 [main, main + FRAC_PI_2].into_iter().all(|main| turn(main, angle).abs() > 5_f64.to_radians())
             });
             let others: Vec<f64> = others.take(MORE).collect();
-            Fragments::new(&ground.turned(main), main, &others, least_area)
+            Fragments::new(&ground.turned(main), main, &others, least)
         }
     };
-    let altitudes = Altitudes { fragments: &fragments, tolerance: (TOLERANCE * tool) as u32, tool };
+    let altitudes = Altitudes { fragments: &fragments, tolerance: widths.tolerance(), tool };
     let regions = match segmentation {
         Segmentation::MinimumSumOfAltitudes => minimum_sum(&altitudes),
         _ => (0..fragments.len() as u32)
