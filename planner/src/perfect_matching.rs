@@ -133,9 +133,11 @@ impl Search {
                 }
             }
             self.move_duals();
-            for node in self.on_surface() {
+            // Nodes shrink and appear on the way.
+            for node in 0..self.surface.len() {
                 let closest = self.closest[node];
-                if closest == NOBODY || self.surface[closest] == node {
+                let on_surface = self.surface[node] == node;
+                if !on_surface || closest == NOBODY || self.surface[closest] == node {
                     continue;
                 }
                 let edge = self.edges[closest][node];

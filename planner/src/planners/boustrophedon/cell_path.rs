@@ -245,7 +245,7 @@ mod tests {
     fn rows_are_shared_where_no_strip_is_left_out() {
         let open = strip(10..30, 10.0, 30.0);
         assert_eq!(open.lane_rows(2.5, 5.0), [12.5, 17.5, 22.5, 27.5]);
-        assert_eq!(open.lane_rows(0.0, 5.0), [15.0, 20.0, 25.0], "the neighbours sweep the rest, nearly");
+        assert_eq!(open.lane_rows(1.0, 5.0), [11.0, 16.0, 21.0, 26.0], "a thin strip may be left out");
         let walled = strip(10..30, 8.0, 32.0);
         assert_eq!(walled.lane_rows(2.5, 5.0), walled.own_rows(5.0));
     }

@@ -33,10 +33,12 @@ pub(super) fn candidates(ground: &Raster, least_m: f64, most: usize) -> Vec<f64>
     chosen
 }
 
-/// Rows of runs when all lanes run one way, metres: the altitude of the ground plus those of its holes.
+/// Rows of runs when all lanes run one way, metres: the altitude of the ground plus those of its holes. A border that runs
+/// nearly along the rows tears single rows into many runs; so the least of three rows counts.
 pub(super) fn altitude_m(ground: &Raster, angle_rad: f64) -> f64 {
-    let runs: usize = ground.turned(angle_rad).slices().iter().map(Vec::len).sum();
-    runs as f64 * ground.frame().step_m()
+    let runs: Vec<usize> = ground.turned(angle_rad).slices().iter().map(Vec::len).collect();
+    let least = runs.windows(3).map(|rows| rows.iter().min().copied().unwrap_or(0));
+    least.sum::<usize>() as f64 * ground.frame().step_m()
 }
 
 /// The direction with the least altitude of all candidates and what is square to them.
