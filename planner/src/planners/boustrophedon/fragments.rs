@@ -32,27 +32,24 @@ pub(super) struct Fragments {
 
 impl Fragments {
     /// Lays the cuts of lanes along the rows of `ground` and across them over each other. What is less than `least`
-    /// makes no cell of its own. `more_rad` are directions that fragments are also seen in.
-    pub(super) fn new(ground: &Raster, angle_rad: f64, more_rad: &[f64], least: Least) -> Self {
+    /// makes no cell of its own. The first of `angles_rad` is that of the rows.
+    pub(super) fn of_two_sweeps(ground: &Raster, angles_rad: &[f64], least: Least) -> Self {
         let along = cell_raster(ground, least);
-        let across = cell_raster(&ground.turned(angle_rad + FRAC_PI_2), least);
-        let raster = overlay(&along, &across, least.area);
-        let count = raster.labels().iter().filter(|&&label| label != NONE).max().map_or(0, |&most| most + 1);
-        let angles_rad: Vec<f64> =
-            [angle_rad, angle_rad + FRAC_PI_2].into_iter().chain(more_rad.iter().copied()).collect();
-        let rasters: Vec<Raster> = angles_rad.iter().map(|&angle| raster.turned(angle)).collect();
-        let runs = rasters.iter().map(|raster| runs_of(raster, count as usize)).collect();
-        Self { adjacency: Adjacency::new(&raster, count as usize), angles_rad, rasters, runs }
+        let across = cell_raster(&ground.turned(angles_rad[0] + FRAC_PI_2), least);
+        Self::seen_along(angles_rad, &overlay(&along, &across, least.area))
     }
 
-    /// Fragments that are the cells of one sweep: no other direction is tried.
-    pub(super) fn of_one_sweep(ground: &Raster, angle_rad: f64, least: Least) -> Self {
-        let raster = renumbered(cell_raster(ground, least), least.area);
-        let count = raster.labels().iter().filter(|&&label| label != NONE).max().map_or(0, |&most| most + 1);
-        let turned = raster.turned(angle_rad);
-        let runs = vec![runs_of(&turned, count as usize)];
-        let adjacency = Adjacency::new(&raster, count as usize);
-        Self { adjacency, angles_rad: vec![angle_rad], rasters: vec![turned], runs }
+    /// The cells of one sweep, along the rows of `ground`.
+    pub(super) fn of_one_sweep(ground: &Raster, angles_rad: &[f64], least: Least) -> Self {
+        Self::seen_along(angles_rad, &renumbered(cell_raster(ground, least), least.area))
+    }
+
+    fn seen_along(angles_rad: &[f64], raster: &Raster) -> Self {
+        let labels = raster.labels().iter().filter(|&&label| label != NONE);
+        let count = labels.max().map_or(0, |&most| most as usize + 1);
+        let rasters: Vec<Raster> = angles_rad.iter().map(|&angle| raster.turned(angle)).collect();
+        let runs = rasters.iter().map(|raster| runs_of(raster, count)).collect();
+        Self { adjacency: Adjacency::new(raster, count), angles_rad: angles_rad.to_vec(), rasters, runs }
     }
 
     pub(super) fn len(&self) -> usize {
@@ -238,7 +235,7 @@ mod tests {
 
     #[test]
     fn cuts_both_ways_make_a_fragment_of_each_corner() {
-        let fragments = Fragments::new(&drawn(HALL), 0.0, &[], Least::default());
+        let fragments = Fragments::of_two_sweeps(&drawn(HALL), &[0.0], Least::default());
         assert_eq!(fragments.len(), 8, "four corners and four sides");
         assert!(fragments.adjacency.of.iter().all(|beside| beside.len() == 2));
     }
@@ -246,7 +243,7 @@ mod tests {
     #[test]
     fn a_union_is_monotone_in_one_direction_and_not_in_the_other() {
         // Fragments of one sweep: below, left, right, above.
-        let fragments = Fragments::of_one_sweep(&drawn(HALL), 0.0, Least::default());
+        let fragments = Fragments::of_one_sweep(&drawn(HALL), &[0.0], Least::default());
         assert_eq!(fragments.len(), 4);
         let is_monotone = |members: &[u32], tolerance| fragments.union(members, 0).is_monotone(tolerance);
         assert!(is_monotone(&[0, 1], 0), "a row below, then the left one");
@@ -258,7 +255,7 @@ mod tests {
 
     #[test]
     fn small_fragments_go_to_their_neighbours() {
-        let fragments = Fragments::new(&drawn(HALL), 0.0, &[], Least { area: 3, rows: 0 });
+        let fragments = Fragments::of_two_sweeps(&drawn(HALL), &[0.0], Least { area: 3, rows: 0 });
         let area = |label| fragments.rasters[0].labels().iter().filter(|&&found| found == label).count();
         let areas: Vec<usize> = (0..fragments.len() as u32).map(area).collect();
         assert_eq!(areas.iter().sum::<usize>(), 24, "two squares below the pillar are no cell across");

@@ -6,11 +6,14 @@
 //! neighbouring cells are merged while that lowers the sum (`merging.rs`).
 //!
 //! Our departure: an altitude below one tool width counts as one, since a cell has at least one lane, and each cell
-//! adds half a tool width, for the way to it.
+//! adds half a tool width, for the way to it. Lanes that are slanted to the main walls count a quarter more: they leave
+//! triangles at both ends.
 
 use super::fragments::{Adjacency, Fragments, Union};
 use std::collections::BTreeSet;
 
+/// What an altitude counts for in directions other than the two main ones.
+const SLANT: f64 = 1.25;
 /// What a cell costs beside its altitude, in tool widths.
 const CELL: f64 = 0.5;
 
@@ -55,7 +58,8 @@ impl Altitudes<'_> {
     fn least_of(&self, members: &[u32], allowed: impl Fn(&Union) -> bool) -> Option<Sweep> {
         let sweep = |direction| {
             let union = self.fragments.union(members, direction);
-            let altitude = f64::from(union.altitude()).max(self.tool) + CELL * self.tool;
+            let slant = if direction < 2 { 1.0 } else { SLANT };
+            let altitude = slant * f64::from(union.altitude()).max(self.tool) + CELL * self.tool;
             allowed(&union).then_some(Sweep { direction, altitude })
         };
         (0..self.fragments.angles_rad.len())

@@ -20,6 +20,8 @@ const EDGE: f64 = 3.0;
 /// Directions that are looked for, and those that cells may have beside the main ones.
 const DIRECTIONS: usize = 5;
 const MORE: usize = 2;
+/// Directions nearer than this to the main ones are none of their own.
+const SLANTED_RAD: f64 = 5.0 * std::f64::consts::PI / 180.0;
 /// Pockets thinner than this share of the tool's width are no cells.
 const THIN: f64 = 0.35;
 /// Least area of a cell, as a share of a square as wide as the tool.
@@ -47,30 +49,66 @@ pub(super) fn segment(
     let least = Least { area: (LEAST_AREA * tool * tool) as u32, rows: (THIN * tool) as u32 + 1 };
     let found = candidates(&ground, EDGE * tool_m, DIRECTIONS);
     let main = main_direction(&ground, &found);
-    let one_way = |towards: f64| {
-        let square = main + FRAC_PI_2;
-        let angle = if turn(main, towards).abs() <= turn(square, towards).abs() { main } else { square };
-        Fragments::of_one_sweep(&ground.turned(angle), angle, least)
-    };
-    let fragments = match segmentation {
-        Segmentation::Horizontal => one_way(0.0),
-        Segmentation::Vertical => one_way(FRAC_PI_2),
+    let cut = Cut { ground: &ground, least, widths };
+    match segmentation {
+        Segmentation::Horizontal => cut.one_way(nearest_main(main, 0.0)),
+        Segmentation::Vertical => cut.one_way(nearest_main(main, FRAC_PI_2)),
         Segmentation::MinimumSumOfAltitudes => {
-            let others = found.into_iter().filter(|&angle| {
-                [main, main + FRAC_PI_2].into_iter().all(|main| turn(main, angle).abs() > 5_f64.to_radians())
-            });
-            let others: Vec<f64> = others.take(MORE).collect();
-            Fragments::new(&ground.turned(main), main, &others, least)
+            let square = main + FRAC_PI_2;
+            let slanted = |&angle: &f64| turn(main, angle).abs().min(turn(square, angle).abs()) > SLANTED_RAD;
+            let others: Vec<f64> = found.into_iter().filter(slanted).take(MORE).collect();
+            cut.with_least_altitude(main, &others)
         }
-    };
-    let altitudes = Altitudes { fragments: &fragments, tolerance: widths.tolerance(), tool };
-    let regions = match segmentation {
-        Segmentation::MinimumSumOfAltitudes => minimum_sum(&altitudes),
-        _ => (0..fragments.len() as u32)
-            .map(|fragment| Region { members: vec![fragment], sweep: altitudes.alone(fragment) })
-            .collect(),
-    };
-    (fragments, regions)
+    }
+}
+
+/// Of the main direction and the one square to it, the one nearer to `towards`.
+fn nearest_main(main: f64, towards: f64) -> f64 {
+    let square = main + FRAC_PI_2;
+    if turn(main, towards).abs() <= turn(square, towards).abs() { main } else { square }
+}
+
+/// How ground is cut.
+#[derive(Clone, Copy)]
+struct Cut<'a> {
+    ground: &'a Raster,
+    least: Least,
+    widths: Widths,
+}
+
+impl Cut<'_> {
+    /// The cells of one sweep, as they are.
+    fn one_way(self, angle: f64) -> (Fragments, Vec<Region>) {
+        let fragments = Fragments::of_one_sweep(&self.ground.turned(angle), &[angle], self.least);
+        let altitudes = self.altitudes(&fragments);
+        let alone = |fragment| Region { members: vec![fragment], sweep: altitudes.alone(fragment) };
+        let regions = (0..fragments.len() as u32).map(alone).collect();
+        (fragments, regions)
+    }
+
+    /// The least sum of altitudes from the fragments of two sweeps, or of either one alone: with larger fragments,
+    /// more ground is solved exactly at once.
+    fn with_least_altitude(self, main: f64, others: &[f64]) -> (Fragments, Vec<Region>) {
+        let square = main + FRAC_PI_2;
+        let angles = |first: f64, second: f64| [&[first, second], others].concat();
+        let along = (self.ground.turned(main), angles(main, square));
+        let across = (self.ground.turned(square), angles(square, main));
+        let cuts = [
+            Fragments::of_one_sweep(&along.0, &along.1, self.least),
+            Fragments::of_one_sweep(&across.0, &across.1, self.least),
+            Fragments::of_two_sweeps(&along.0, &along.1, self.least),
+        ];
+        let solved = cuts.into_iter().map(|fragments| {
+            let regions = minimum_sum(&self.altitudes(&fragments));
+            (regions.iter().map(|region| region.sweep.altitude).sum::<f64>(), fragments, regions)
+        });
+        let best = solved.min_by(|a, b| a.0.total_cmp(&b.0)).expect("there are three");
+        (best.1, best.2)
+    }
+
+    fn altitudes<'f>(&self, fragments: &'f Fragments) -> Altitudes<'f> {
+        Altitudes { fragments, tolerance: self.widths.tolerance(), tool: self.widths.tool }
+    }
 }
 
 /// Exact in parts, then merged.
