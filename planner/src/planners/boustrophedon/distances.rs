@@ -9,7 +9,7 @@ use std::{cmp::Reverse, collections::BinaryHeap};
 use terrain::Point;
 
 /// Ends that a search looks for.
-const NEAR: usize = 24;
+const NEAR: usize = 16;
 
 /// Lengths of ways between points, metres; symmetric.
 #[derive(Debug, Clone)]

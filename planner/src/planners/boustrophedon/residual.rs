@@ -5,8 +5,8 @@
 //! them together everything that can be asked for is swept, so this always gets there.
 
 use crate::{Instance, Mode, Route, transfers::Transfers};
-use std::collections::{BTreeMap, BinaryHeap};
-use terrain::{Cell, Point, Segment, SweptRaster, samples_swept_from};
+use std::collections::BinaryHeap;
+use terrain::{Cell, Lattice, Point, Segment, SweptRaster, samples_swept_from};
 
 /// So many places of routes are looked at for a side trip.
 const CANDIDATES: usize = 4;
@@ -19,94 +19,121 @@ pub(super) fn sweep_the_rest(transfers: &mut Transfers<'_, '_>, routes: &mut [Ro
     }
 }
 
-/// Samples that are still to be swept, per cell.
-type Missing = BTreeMap<usize, u64>;
-
 /// Cells from whose centres the rest is swept.
 fn stops(instance: &Instance<'_>, routes: &[Route], share: f64) -> Vec<Cell> {
-    let lattice = instance.floor.lattice();
-    let mut raster = SweptRaster::new(*lattice);
-    let radius_m = instance.floor.tool_width_m() / 2.0;
-    for pair in routes.iter().flat_map(|route| route.points.windows(2)) {
-        raster.sweep(Segment::new(pair[0], pair[1]), radius_m, |_| {});
-    }
-    let (mut wanted, mut left) = (0_u64, 0_u64);
-    let mut missing = Missing::new();
-    for index in (0..lattice.len()).filter(|&index| instance.visit[index]) {
-        let required = instance.floor.required(index);
-        let open = required & !raster.samples(index);
-        wanted += u64::from(required.count_ones());
-        left += u64::from(open.count_ones());
-        if open != 0 {
-            missing.insert(index, open);
-        }
-    }
-    let allowed = ((1.0 - share).max(0.0) * wanted as f64) as u64;
-    let mut gains = first_gains(instance, &missing, radius_m);
+    let mut rest = Rest::new(instance, routes);
+    let allowed = ((1.0 - share).max(0.0) * rest.wanted as f64) as u64;
     let mut stops = Vec::new();
-    while left > allowed {
-        let Some((promised, at)) = gains.pop() else { break };
-        let swept = swept_from(instance, &missing, lattice.cell(at), radius_m);
-        let gain: u32 = swept.iter().map(|(_, samples)| samples.count_ones()).sum();
-        if gain == 0 {
-            continue;
+    // Places some way apart first; all of them where these are not enough.
+    for stride in [rest.stride(), 1] {
+        let mut gains = rest.first_gains(stride);
+        while rest.left > allowed {
+            let Some((promised, at)) = gains.pop() else { break };
+            let gain = rest.gain(at);
+            if gain > 0 && gain < promised {
+                gains.push((gain, at));
+            } else if gain > 0 {
+                rest.sweep(at);
+                stops.push(instance.floor.lattice().cell(at));
+            }
         }
-        if gain < promised {
-            gains.push((gain, at));
-            continue;
-        }
-        for (index, samples) in swept {
-            let open = missing.entry(index).or_default();
-            *open &= !samples;
-        }
-        left -= u64::from(gain);
-        stops.push(lattice.cell(at));
     }
     stops
 }
 
-/// What each cell around missing ground would gain.
-fn first_gains(instance: &Instance<'_>, missing: &Missing, radius_m: f64) -> BinaryHeap<(u32, usize)> {
-    let lattice = instance.floor.lattice();
-    let reachable = instance.reachable();
-    let mut near: Vec<usize> = missing
-        .keys()
-        .flat_map(|&index| cells_around(instance, lattice.cell(index), radius_m))
-        .filter(|&index| reachable[index])
-        .collect();
-    near.sort_unstable();
-    near.dedup();
-    near.into_iter()
-        .map(|index| {
-            let swept = swept_from(instance, missing, lattice.cell(index), radius_m);
-            (swept.iter().map(|(_, samples)| samples.count_ones()).sum(), index)
-        })
-        .collect()
+/// What is still to be swept.
+struct Rest<'a, 'i> {
+    instance: &'a Instance<'i>,
+    /// Samples, per cell.
+    missing: Vec<u64>,
+    wanted: u64,
+    left: u64,
+    /// What a tool over the centre of a cell sweeps: column and row difference, and samples.
+    tool: Vec<(i32, i32, u64)>,
 }
 
-fn cells_around<'a>(
-    instance: &'a Instance<'_>,
-    cell: Cell,
-    radius_m: f64,
-) -> impl Iterator<Item = usize> + 'a {
-    let lattice = instance.floor.lattice();
-    let center = lattice.center(cell);
-    let reach_m = radius_m + lattice.cell_m;
-    let low = Point::new(center.x - reach_m, center.y - reach_m);
-    let high = Point::new(center.x + reach_m, center.y + reach_m);
-    lattice.cells_in_box(low, high).filter_map(move |cell| lattice.index(cell))
+impl<'a, 'i> Rest<'a, 'i> {
+    fn new(instance: &'a Instance<'i>, routes: &[Route]) -> Self {
+        let (floor, lattice) = (instance.floor, instance.floor.lattice());
+        let mut raster = SweptRaster::new(*lattice);
+        let radius_m = floor.tool_width_m() / 2.0;
+        for pair in routes.iter().flat_map(|route| route.points.windows(2)) {
+            raster.sweep(Segment::new(pair[0], pair[1]), radius_m, |_| {});
+        }
+        let wanted = |index: usize| if instance.visit[index] { floor.required(index) } else { 0 };
+        let missing: Vec<u64> =
+            (0..lattice.len()).map(|index| wanted(index) & !raster.samples(index)).collect();
+        let count =
+            |samples: &mut dyn Iterator<Item = u64>| samples.map(|bits| u64::from(bits.count_ones())).sum();
+        Self {
+            instance,
+            wanted: count(&mut (0..lattice.len()).map(wanted)),
+            left: count(&mut missing.iter().copied()),
+            missing,
+            tool: stencil(lattice, radius_m),
+        }
+    }
+
+    /// A quarter of the tool, in cells.
+    fn stride(&self) -> i32 {
+        let floor = self.instance.floor;
+        ((floor.tool_width_m() / 4.0 / floor.lattice().cell_m) as i32).max(1)
+    }
+
+    /// Cells around one, and the missing samples of theirs that are swept from its centre.
+    fn swept_from(&self, at: usize) -> impl Iterator<Item = (usize, u64)> + '_ {
+        let lattice = self.instance.floor.lattice();
+        let cell = lattice.cell(at);
+        self.tool.iter().filter_map(move |&(dx, dy, samples)| {
+            let index = lattice.index(Cell::new(cell.x + dx, cell.y + dy))?;
+            Some((index, self.missing[index] & samples))
+        })
+    }
+
+    fn gain(&self, at: usize) -> u32 {
+        self.swept_from(at).map(|(_, samples)| samples.count_ones()).sum()
+    }
+
+    fn sweep(&mut self, at: usize) {
+        let swept: Vec<(usize, u64)> = self.swept_from(at).collect();
+        for (index, samples) in swept {
+            self.missing[index] &= !samples;
+            self.left -= u64::from(samples.count_ones());
+        }
+    }
+
+    /// What reachable cells around missing ground would gain; only every `stride`th column and row.
+    fn first_gains(&self, stride: i32) -> BinaryHeap<(u32, usize)> {
+        let lattice = self.instance.floor.lattice();
+        let mut near = vec![false; lattice.len()];
+        for (index, _) in self.missing.iter().enumerate().filter(|&(_, &open)| open != 0) {
+            let cell = lattice.cell(index);
+            for &(dx, dy, _) in &self.tool {
+                if let Some(index) = lattice.index(Cell::new(cell.x + dx, cell.y + dy)) {
+                    near[index] = true;
+                }
+            }
+        }
+        let reachable = self.instance.reachable();
+        let on_stride = |index: usize| {
+            let cell = lattice.cell(index);
+            cell.x % stride == 0 && cell.y % stride == 0
+        };
+        let stands = (0..near.len()).filter(|&index| near[index] && reachable[index] && on_stride(index));
+        stands.map(|index| (self.gain(index), index)).collect()
+    }
 }
 
-/// The missing samples that are swept from the centre of a cell.
-fn swept_from(instance: &Instance<'_>, missing: &Missing, cell: Cell, radius_m: f64) -> Vec<(usize, u64)> {
-    let lattice = instance.floor.lattice();
-    let center = lattice.center(cell);
-    cells_around(instance, cell, radius_m)
-        .filter_map(|index| {
-            let open = missing.get(&index)?;
-            let swept = open & samples_swept_from(lattice, lattice.cell(index), center, radius_m);
-            (swept != 0).then_some((index, swept))
-        })
+/// What a tool over the centre of a cell sweeps, as in [`Rest::tool`].
+fn stencil(lattice: &Lattice, radius_m: f64) -> Vec<(i32, i32, u64)> {
+    let around = Lattice { origin: Point::origin(), ..*lattice };
+    let center = around.center(Cell::new(0, 0));
+    let longest = lattice.columns.max(lattice.rows);
+    let reach = (radius_m / lattice.cell_m + 0.5).ceil().min(f64::from(longest)) as i32;
+    (-reach..=reach)
+        .flat_map(|dy| (-reach..=reach).map(move |dx| (dx, dy)))
+        .map(|(dx, dy)| (dx, dy, samples_swept_from(&around, Cell::new(dx, dy), center, radius_m)))
+        .filter(|&(_, _, samples)| samples != 0)
         .collect()
 }
 
