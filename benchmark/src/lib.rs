@@ -12,6 +12,7 @@ mod cpu;
 mod grid;
 mod grid_instances;
 mod growth;
+mod indoor;
 mod mfc;
 mod pictures;
 pub mod plot;
@@ -66,6 +67,11 @@ pub const BENCHMARKS: &[Benchmark] = &[
         name: "grid",
         about: "the grid instances of LS-MCPP and MIP-MCPP under their costs",
         run: grid::run,
+    },
+    Benchmark {
+        name: "indoor",
+        about: "floor plans as in Fig. 5 of the boustrophedon paper, and B1 of the notes",
+        run: indoor::run,
     },
 ];
 

@@ -2,6 +2,7 @@
 
 mod bc_sweep;
 mod boustrophedon;
+mod boustrophedon_lanes;
 mod darp;
 mod forest_search;
 mod mfc;
@@ -67,6 +68,12 @@ pub const PLANNERS: &[Planner] = &[
         paper: "Strimel and Veloso 2014",
         is_slow: true,
         plan: bc_sweep::plan_vertical,
+    },
+    Planner {
+        name: "boustrophedon-lanes",
+        paper: "ours, after Choset 2000",
+        is_slow: true,
+        plan: boustrophedon_lanes::plan,
     },
     Planner { name: "darp", paper: "Kapoutsis and others 2017", is_slow: true, plan: darp::plan },
     Planner {

@@ -18,8 +18,8 @@ use terrain::{Point, Segment, Vector, angle_between};
 /// Cost of a straight and of a slanting step.
 const STRAIGHT: u32 = 10;
 const SLANTING: u32 = 14;
-/// Buckets of a queue of costs that differ by at most a slanting step.
-const BUCKETS: usize = SLANTING as usize + 1;
+/// Buckets of a queue of costs that differ by at most a slanting step and what an estimate of the rest grows by with it.
+const BUCKETS: usize = 2 * SLANTING as usize + 1;
 const UNSEEN: u32 = u32::MAX;
 /// The step that leads nowhere: where a search began.
 const ROOT: u8 = 8;
@@ -123,28 +123,31 @@ impl<'s, 'a> Transfers<'s, 'a> {
             return Some(Way::new(instance, vec![from, to]));
         }
         let (source, target) = (self.space.nearest_place(from)?, self.space.nearest_place(to)?);
-        self.grow(source, |place, _| place == target);
+        let rest = rest_to(self.space, target);
+        self.grow(source, rest, |place, _| place == target);
         let points = self.trace(target)?;
         Some(self.tight(from, points, to))
     }
 
-    /// The ways from a point to some of `targets`: those that are at most `limit_m` of steps away; at most `most` of
+    /// The ways from a point to those of `targets` that are `wanted` and at most `limit_m` of steps away; at most `most` of
     /// them, nearest first.
     pub(crate) fn ways_to_nearest(
         &mut self,
         from: Point,
         targets: &Targets,
+        wanted: impl Fn(usize) -> bool,
         limit_m: f64,
         most: usize,
     ) -> Vec<(usize, Way)> {
         let Some(source) = self.space.nearest_place(from) else { return Vec::new() };
         let limit = cost(self.space, limit_m);
         let mut found: Vec<usize> = Vec::new();
-        self.grow(source, |place, cost| {
+        let nothing = |_| 0;
+        self.grow(source, nothing, |place, cost| {
             if cost > limit {
                 return true;
             }
-            found.extend(targets.at(place));
+            found.extend(targets.at(place).filter(|&target| wanted(target)));
             found.len() >= most
         });
         found.truncate(most);
@@ -235,31 +238,33 @@ impl<'s, 'a> Transfers<'s, 'a> {
         Some((number, self.tight(from, points, source.0)))
     }
 
-    /// Grows over open steps from a place, nearest first, until `stop(place, cost)` says so.
-    fn grow(&mut self, source: usize, mut stop: impl FnMut(usize, u32) -> bool) {
+    /// Grows over open steps from a place, least cost with `rest(place)` first, until `stop(place, cost)` says so.
+    fn grow(&mut self, source: usize, rest: impl Fn(usize) -> u32, mut stop: impl FnMut(usize, u32) -> bool) {
         self.search += 1;
         self.buckets.iter_mut().for_each(Vec::clear);
         self.seen[source] = (self.search, 0);
         self.entered_by[source] = ROOT;
-        self.buckets[0].push(source as u32);
-        let (mut now, mut queued) = (0_u32, 1_usize);
+        let mut now = rest(source);
+        self.buckets[now as usize % BUCKETS].push(source as u32);
+        let mut queued = 1_usize;
         while queued > 0 {
             while let Some(place) = self.buckets[now as usize % BUCKETS].pop() {
                 queued -= 1;
                 let place = place as usize;
-                if self.seen[place].1 != now {
+                let so_far = self.seen[place].1;
+                if so_far + rest(place) != now {
                     continue;
                 }
-                if stop(place, now) {
+                if stop(place, so_far) {
                     return;
                 }
                 for (step, next) in self.space.steps(place) {
-                    let cost = now + step_cost(step);
+                    let cost = so_far + step_cost(step);
                     let (search, known) = self.seen[next];
                     if search != self.search || cost < known {
                         self.seen[next] = (self.search, cost);
                         self.entered_by[next] = step as u8;
-                        self.buckets[cost as usize % BUCKETS].push(next as u32);
+                        self.buckets[(cost + rest(next)) as usize % BUCKETS].push(next as u32);
                         queued += 1;
                     }
                 }
@@ -341,6 +346,16 @@ impl Field {
 
 /// A slanting step is counted as 1.4 straight ones: this much too short at most.
 const SLACK: f64 = std::f64::consts::SQRT_2 / 1.4;
+
+/// For each place, the cost to a target if nothing were in the way.
+fn rest_to(space: &ConfigurationSpace<'_>, target: usize) -> impl Fn(usize) -> u32 {
+    let columns = space.places().columns as usize;
+    let (x, y) = (target % columns, target / columns);
+    move |place| {
+        let (dx, dy) = ((place % columns).abs_diff(x) as u32, (place / columns).abs_diff(y) as u32);
+        STRAIGHT * dx.max(dy) + (SLANTING - STRAIGHT) * dx.min(dy)
+    }
+}
 
 fn step_cost(step: usize) -> u32 {
     if step.is_multiple_of(2) { STRAIGHT } else { SLANTING }
@@ -466,9 +481,9 @@ mod tests {
         with_transfers(|transfers| {
             let points = vec![Point::new(4.5, 0.4), Point::new(1.0, 0.4), Point::new(0.4, 1.1)];
             let targets = Targets::new(transfers.space(), points);
-            let found = transfers.ways_to_nearest(Point::new(0.4, 0.4), &targets, 2.0, 5);
+            let found = transfers.ways_to_nearest(Point::new(0.4, 0.4), &targets, |_| true, 2.0, 5);
             assert_eq!(found.iter().map(|(target, _)| *target).collect::<Vec<_>>(), [1, 2]);
-            assert_eq!(transfers.ways_to_nearest(Point::new(0.4, 0.4), &targets, 9.0, 1).len(), 1);
+            assert_eq!(transfers.ways_to_nearest(Point::new(0.4, 0.4), &targets, |_| true, 9.0, 1).len(), 1);
         });
     }
 

@@ -8,7 +8,7 @@ use crate::transfers::{Targets, Transfers};
 use std::{cmp::Reverse, collections::BinaryHeap};
 use terrain::Point;
 
-/// Ends that a search looks for.
+/// Ends of other cells that a search looks for.
 const NEAR: usize = 16;
 
 /// Lengths of ways between points, metres; symmetric.
@@ -23,14 +23,17 @@ impl Distances {
         let targets = Targets::new(transfers.space(), points.to_vec());
         let mut graph = Graph { near: vec![Vec::new(); points.len()] };
         for (from, &point) in points.iter().enumerate() {
-            graph.add(from, transfers.ways_to_nearest(point, &targets, f64::MAX, NEAR));
+            graph.add(
+                from,
+                transfers.ways_to_nearest(point, &targets, |to| to / 4 != from / 4, f64::MAX, NEAR),
+            );
         }
         // Crowds of ends that lie far apart know nothing of each other yet.
         let mut most = NEAR;
         while let Some(lonely) = graph.unreached().filter(|_| most < points.len()) {
             most *= 4;
             for from in [lonely, 0] {
-                graph.add(from, transfers.ways_to_nearest(points[from], &targets, f64::MAX, most));
+                graph.add(from, transfers.ways_to_nearest(points[from], &targets, |_| true, f64::MAX, most));
             }
         }
         Self { count: points.len(), table: graph.closure() }

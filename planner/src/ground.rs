@@ -1,0 +1,232 @@
+//! The ground that is still to be covered, and what of it lines of points sweep: one sample in the middle of each place.
+//!
+//! Samples are held a little nearer to the tool's path than half its width, so that what counts as swept here is swept in
+//! the finer raster of [`crate::verify()`] as well, save for rims thinner than a place.
+
+use crate::configuration_space::ConfigurationSpace;
+use terrain::{CellClass, Lattice, Point, Segment};
+
+/// Wanted samples and how often each has been swept.
+#[derive(Debug, Clone)]
+pub(crate) struct Ground {
+    places: Lattice,
+    radius_m: f64,
+    wanted: Vec<bool>,
+    swept: Vec<u16>,
+    wanted_count: usize,
+    left_count: usize,
+}
+
+impl Ground {
+    /// All that can be covered in cells to visit, and in the rims beside them where no cell's centre can be stood on.
+    pub(crate) fn new(space: &ConfigurationSpace<'_>) -> Self {
+        let floor = space.instance().floor;
+        let half_tool_m = floor.tool_width_m() / 2.0;
+        let cells = cells_to_cover(space);
+        let mut wanted = space.coverable(half_tool_m);
+        for (place, wanted) in wanted.iter_mut().enumerate().filter(|(_, wanted)| **wanted) {
+            *wanted = cells[space.cell_index(place)];
+        }
+        let places = *space.places();
+        let count = wanted.iter().filter(|&&wanted| wanted).count();
+        Self {
+            places,
+            radius_m: half_tool_m - places.cell_m / 4.0,
+            swept: vec![0; wanted.len()],
+            wanted,
+            wanted_count: count,
+            left_count: count,
+        }
+    }
+
+    /// The radius within which samples count as swept, metres.
+    pub(crate) fn radius_m(&self) -> f64 {
+        self.radius_m
+    }
+
+    /// Whether a sample is wanted and has not been swept.
+    pub(crate) fn is_left(&self, place: usize) -> bool {
+        self.wanted[place] && self.swept[place] == 0
+    }
+
+    /// Whether a sample is wanted.
+    pub(crate) fn is_wanted(&self, place: usize) -> bool {
+        self.wanted[place]
+    }
+
+    /// Share of the wanted samples that have been swept.
+    pub(crate) fn coverage(&self) -> f64 {
+        1.0 - self.left_count as f64 / self.wanted_count.max(1) as f64
+    }
+
+    /// Samples that are wanted.
+    pub(crate) fn wanted_count(&self) -> usize {
+        self.wanted_count
+    }
+
+    /// Samples that are wanted and not swept.
+    pub(crate) fn left_count(&self) -> usize {
+        self.left_count
+    }
+
+    /// Area of a sample, square metres.
+    pub(crate) fn sample_m2(&self) -> f64 {
+        self.places.cell_m * self.places.cell_m
+    }
+
+    /// Forgets what has been swept.
+    pub(crate) fn clear(&mut self) {
+        self.swept.fill(0);
+        self.left_count = self.wanted_count;
+    }
+
+    /// Sweeps along a line of points.
+    pub(crate) fn sweep(&mut self, points: &[Point]) {
+        self.each_sample_of(points, |ground, place| {
+            if ground.swept[place] == 0 && ground.wanted[place] {
+                ground.left_count -= 1;
+            }
+            ground.swept[place] = ground.swept[place].saturating_add(1);
+        });
+    }
+
+    /// Takes a sweep along these very points back.
+    pub(crate) fn unsweep(&mut self, points: &[Point]) {
+        self.each_sample_of(points, |ground, place| {
+            ground.swept[place] = ground.swept[place].saturating_sub(1);
+            if ground.swept[place] == 0 && ground.wanted[place] {
+                ground.left_count += 1;
+            }
+        });
+    }
+
+    fn each_sample_of(&mut self, points: &[Point], mut act: impl FnMut(&mut Self, usize)) {
+        let (places, radius_m) = (self.places, self.radius_m);
+        let only = points.first().map(|&point| Segment::new(point, point)).filter(|_| points.len() == 1);
+        for segment in points.windows(2).map(|pair| Segment::new(pair[0], pair[1])).chain(only) {
+            for_each_within(&places, segment, radius_m, |begin, end| {
+                (begin..end).for_each(|place| act(self, place));
+            });
+        }
+    }
+
+    /// Calls `act` with each sample that a segment sweeps and that is left.
+    pub(crate) fn each_left_along(&self, segment: Segment, mut act: impl FnMut(usize)) {
+        for_each_within(&self.places, segment, self.radius_m, |begin, end| {
+            (begin..end).filter(|&place| self.is_left(place)).for_each(&mut act);
+        });
+    }
+
+    /// How many samples a segment would sweep that are left.
+    pub(crate) fn gain(&self, segment: Segment) -> usize {
+        let mut gain = 0;
+        self.each_left_along(segment, |_| gain += 1);
+        gain
+    }
+}
+
+/// Row-major by cell: cells to visit, and those that cannot be stood on within half a tool of one.
+fn cells_to_cover(space: &ConfigurationSpace<'_>) -> Vec<bool> {
+    let (instance, floor) = (space.instance(), space.instance().floor);
+    let lattice = floor.lattice();
+    let mut cells = instance.visit.clone();
+    let reach = (floor.tool_width_m() / 2.0 / lattice.cell_m).ceil() as i32;
+    for (index, cell) in lattice.cells().enumerate() {
+        if floor.is_drivable(index) || floor.class(index) == CellClass::Obstacle || instance.blocked[index] {
+            continue;
+        }
+        let mut around = (-reach..=reach).flat_map(|dy| (-reach..=reach).map(move |dx| (dx, dy)));
+        cells[index] = around.any(|(dx, dy)| {
+            lattice
+                .index(terrain::Cell::new(cell.x + dx, cell.y + dy))
+                .is_some_and(|near| instance.visit[near])
+        });
+    }
+    cells
+}
+
+/// Calls `act(begin, end)` with the runs of samples (row-major numbers) within `radius_m` of a segment, row by row.
+pub(crate) fn for_each_within(
+    places: &Lattice,
+    segment: Segment,
+    radius_m: f64,
+    mut act: impl FnMut(usize, usize),
+) {
+    let step_m = places.cell_m;
+    let (from, to) = (segment.from - places.origin, segment.to - places.origin);
+    let row = |y_m: f64| y_m / step_m - 0.5;
+    let first = row(from.y.min(to.y) - radius_m).ceil().max(0.0);
+    let last = row(from.y.max(to.y) + radius_m).floor().min(f64::from(places.rows) - 1.0);
+    let mut number = first;
+    while number <= last {
+        let y_m = (number + 0.5) * step_m;
+        if let Some((low_m, high_m)) = across(from, to, radius_m, y_m) {
+            let begin = (low_m / step_m - 0.5 - 1e-9).ceil().max(0.0);
+            let end = (high_m / step_m - 0.5 + 1e-9).floor().min(f64::from(places.columns) - 1.0);
+            if begin <= end {
+                let start = number as usize * places.columns as usize;
+                act(start + begin as usize, start + end as usize + 1);
+            }
+        }
+        number += 1.0;
+    }
+}
+
+/// The part of the line at height `y` that is within a distance of a segment: an interval, since all that is within is convex.
+fn across(from: terrain::Vector, to: terrain::Vector, radius_m: f64, y_m: f64) -> Option<(f64, f64)> {
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    let mut join = |a: f64, b: f64| {
+        low = low.min(a);
+        high = high.max(b);
+    };
+    for end in [from, to] {
+        let half2 = radius_m * radius_m - (y_m - end.y).powi(2);
+        if half2 >= 0.0 {
+            join(end.x - half2.sqrt(), end.x + half2.sqrt());
+        }
+    }
+    // The corners of the band between the two discs; its edges cross the line between them.
+    let way = to - from;
+    let length_m = way.norm();
+    if length_m > 1e-12 {
+        let aside = terrain::Vector::new(-way.y, way.x) * (radius_m / length_m);
+        let corners = [from + aside, to + aside, to - aside, from - aside];
+        for number in 0..4 {
+            let (a, b) = (corners[number], corners[(number + 1) % 4]);
+            if (a.y - y_m) * (b.y - y_m) <= 0.0 {
+                if (a.y - b.y).abs() < 1e-12 {
+                    join(a.x.min(b.x), a.x.max(b.x));
+                } else {
+                    let x = a.x + (b.x - a.x) * ((y_m - a.y) / (b.y - a.y));
+                    join(x, x);
+                }
+            }
+        }
+    }
+    (low <= high).then_some((low, high))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn runs_are_just_the_samples_within_the_distance(
+            ends in prop::array::uniform4(-1.0_f64..4.0), radius_m in 0.05_f64..1.0, flat in any::<bool>()
+        ) {
+            let places = Lattice { origin: Point::new(-0.3, 0.2), cell_m: 0.1, columns: 30, rows: 25 };
+            let to_y = if flat { ends[1] } else { ends[3] };
+            let segment = Segment::new(Point::new(ends[0], ends[1]), Point::new(ends[2], to_y));
+            let mut within = vec![false; places.len()];
+            for_each_within(&places, segment, radius_m, |begin, end| within[begin..end].fill(true));
+            for cell in places.cells() {
+                let distance_m = segment.distance_to_point(places.center(cell));
+                if (distance_m - radius_m).abs() > 1e-6 {
+                    prop_assert_eq!(within[places.index(cell).unwrap()], distance_m < radius_m, "{}", cell);
+                }
+            }
+        }
+    }
+}
