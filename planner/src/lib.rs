@@ -23,6 +23,7 @@ pub mod mcfs;
 mod lane_tour;
 mod maximum_flow;
 mod minimum_lanes;
+mod perfect_matching;
 mod plan;
 pub mod planners;
 mod recharging;

@@ -1,5 +1,7 @@
 //! The table of planners. A new one is one file and one row here.
 
+mod bc_sweep;
+mod boustrophedon;
 mod boustrophedon_lanes;
 mod darp;
 mod forest_search;
@@ -45,6 +47,30 @@ pub const PLANNERS: &[Planner] = &[
         paper: "Zheng, Jain, Koenig and Kempe 2005",
         is_slow: false,
         plan: mstc::plan_optimized,
+    },
+    Planner {
+        name: "boustrophedon",
+        paper: "Huang 2001; the paper on boustrophedon coverage with finite resources",
+        is_slow: true,
+        plan: boustrophedon::plan,
+    },
+    Planner {
+        name: "bc-sweep-hybrid",
+        paper: "Strimel and Veloso 2014",
+        is_slow: true,
+        plan: bc_sweep::plan_hybrid,
+    },
+    Planner {
+        name: "bc-sweep-horizontal",
+        paper: "Strimel and Veloso 2014",
+        is_slow: true,
+        plan: bc_sweep::plan_horizontal,
+    },
+    Planner {
+        name: "bc-sweep-vertical",
+        paper: "Strimel and Veloso 2014",
+        is_slow: true,
+        plan: bc_sweep::plan_vertical,
     },
     Planner {
         name: "boustrophedon-lanes",

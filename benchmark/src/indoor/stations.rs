@@ -1,0 +1,173 @@
+//! The paper's Fig. 5 on our floors: total coverage time from ten stations, planner by planner, with a paired test.
+
+use super::{MAPS, floor_plan::FloorPlan};
+use crate::{
+    BenchmarkError, Options, Picture, Progress, Table, content,
+    plot::{Bar, BarPanel, BarPlot},
+    tables::{mean, ratio, tenths},
+};
+use std::path::Path;
+
+/// Ours first, then the paper's, then what it compares with.
+const PLANNERS: [&str; 5] =
+    ["boustrophedon-lanes", "boustrophedon", BASELINE, "bc-sweep-vertical", "bc-sweep-horizontal"];
+/// All others are compared with this one, station by station.
+const BASELINE: &str = "bc-sweep-hybrid";
+/// Share of the ground that each plan has to sweep.
+const COVERAGE: f64 = 0.98;
+/// The floors on which ten stations take minutes, not hours.
+const FLOORS: usize = 5;
+
+/// What came of one planner on one map.
+#[derive(Debug, Default)]
+struct Sample {
+    time_s: Vec<f64>,
+    length_m: Vec<f64>,
+    turns: Vec<f64>,
+    coverage: Vec<f64>,
+    cpu_s: Vec<f64>,
+}
+
+pub(super) fn run(
+    options: &Options,
+    folder: &Path,
+    progress: Progress<'_>,
+) -> Result<Vec<Table>, BenchmarkError> {
+    let mut table = Table::new(
+        "indoor_stations",
+        "Total coverage time from ten stations (Fig. 5), no battery limit",
+        "One robot from a station and back, every plan asked for 98 % of the ground (what lanes leave out is swept on side trips); \
+         mean and deviation over the stations. ÷ hybrid: mean of the ratios to `bc-sweep-hybrid` from the same station. p: two-sided paired \
+         t-test against it.",
+        &["map", "planner", "time s", "± s", "÷ hybrid", "p", "length m", "turns", "coverage", "CPU s"],
+    );
+    let mut panels = Vec::new();
+    let (maps, stations) = if options.quick { (1, 2) } else { (FLOORS, usize::MAX) };
+    for &map in &MAPS[..maps] {
+        let floor_plan = FloorPlan::load(folder, map)?;
+        let samples = measure(&floor_plan, stations, options.effort, progress)
+            .map_err(|what| content(folder, format!("{map}: {what}")))?;
+        let baseline =
+            &samples[PLANNERS.iter().position(|&name| name == BASELINE).expect("it is one of them")];
+        for (planner, sample) in PLANNERS.iter().zip(&samples) {
+            table.push(row(map, planner, sample, baseline));
+        }
+        let bars = samples
+            .iter()
+            .map(|sample| Some(Bar { mean: mean(&sample.time_s), deviation: deviation(&sample.time_s) }));
+        panels
+            .push(BarPanel { title: map.to_owned(), groups: vec![("λ = ∞".to_owned(), bars.collect())] });
+    }
+    let plot = BarPlot {
+        title: "Total coverage time, s: mean and deviation over the stations".to_owned(),
+        unit: "s".to_owned(),
+        series: PLANNERS.map(str::to_owned).to_vec(),
+        panels,
+    };
+    table.pictures.push(Picture::new(
+        "indoor_stations",
+        "Total coverage time of five planners on five floors",
+        plot.svg(),
+    ));
+    Ok(vec![table])
+}
+
+fn measure(
+    floor_plan: &FloorPlan,
+    most: usize,
+    effort: u32,
+    progress: Progress<'_>,
+) -> Result<Vec<Sample>, String> {
+    let evaluator = floor_plan.evaluator();
+    let mut samples = Vec::new();
+    for planner in PLANNERS {
+        let mut sample = Sample::default();
+        for station in 0..floor_plan.stations.len().min(most) {
+            progress(&format!("{}: {planner} from station {station}", floor_plan.name));
+            let made = floor_plan
+                .plan(planner, station, COVERAGE, effort)
+                .map_err(|error| format!("{planner} from station {station}: {error}"))?;
+            let judged = evaluator.judge(&made.plan.routes()[0].points);
+            sample.time_s.push(judged.time_s);
+            sample.length_m.push(judged.length_m);
+            sample.turns.push(f64::from(judged.turns));
+            sample.coverage.push(judged.coverage);
+            sample.cpu_s.push(made.cpu_s);
+        }
+        samples.push(sample);
+    }
+    Ok(samples)
+}
+
+fn row(map: &str, planner: &str, sample: &Sample, baseline: &Sample) -> Vec<String> {
+    let pairs = || sample.time_s.iter().zip(&baseline.time_s);
+    let ratios: Vec<f64> = pairs().map(|(own, other)| own / other).collect();
+    let differences: Vec<f64> = pairs().map(|(own, other)| own - other).collect();
+    let p = if planner == BASELINE { String::new() } else { format!("{:.1e}", paired_p(&differences)) };
+    vec![
+        map.to_owned(),
+        planner.to_owned(),
+        tenths(mean(&sample.time_s)),
+        tenths(deviation(&sample.time_s)),
+        ratio(mean(&ratios)),
+        p,
+        tenths(mean(&sample.length_m)),
+        tenths(mean(&sample.turns)),
+        format!("{:.2} %", 100.0 * mean(&sample.coverage)),
+        ratio(mean(&sample.cpu_s)),
+    ]
+}
+
+/// Standard deviation of a sample; 0 of fewer than two values.
+fn deviation(values: &[f64]) -> f64 {
+    if values.len() < 2 {
+        return 0.0;
+    }
+    let middle = mean(values);
+    let squares: f64 = values.iter().map(|value| (value - middle).powi(2)).sum();
+    (squares / (values.len() - 1) as f64).sqrt()
+}
+
+/// How likely differences as large as these are in the mean when there is none (Student, two-sided).
+fn paired_p(differences: &[f64]) -> f64 {
+    let spread = deviation(differences);
+    if spread == 0.0 {
+        return if mean(differences) == 0.0 { 1.0 } else { 0.0 };
+    }
+    let freedom = (differences.len() - 1) as f64;
+    let t = mean(differences).abs() / (spread / (differences.len() as f64).sqrt());
+    // With t = √ν tan θ the density is cos^(ν − 1) θ, up to a factor.
+    let from = (t / freedom.sqrt()).atan();
+    let tail = integral(from, std::f64::consts::FRAC_PI_2, |angle| angle.cos().powf(freedom - 1.0));
+    tail / integral(0.0, std::f64::consts::FRAC_PI_2, |angle| angle.cos().powf(freedom - 1.0))
+}
+
+/// Simpson's rule.
+fn integral(from: f64, to: f64, of: impl Fn(f64) -> f64) -> f64 {
+    let pieces = 2000_u32;
+    let step = (to - from) / f64::from(pieces);
+    let weight = |number: u32| match number {
+        0 => 1.0,
+        last if last == pieces => 1.0,
+        odd if odd % 2 == 1 => 4.0,
+        _ => 2.0,
+    };
+    (0..=pieces).map(|number| weight(number) * of(from + step * f64::from(number))).sum::<f64>() * step / 3.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_test_agrees_with_the_tables_of_student() {
+        // Nine degrees of freedom: 2.262 is the two-sided 5 % point, 4.781 the 0.1 % point.
+        for (t, p) in [(2.262_f64, 0.05), (4.781, 0.001), (0.0, 1.0)] {
+            let base: Vec<f64> = (0..10).map(|number| f64::from(number) - 4.5).collect();
+            let shift = t * deviation(&base) / 10_f64.sqrt();
+            let differences: Vec<f64> = base.iter().map(|value| value + shift).collect();
+            assert!((paired_p(&differences) / p - 1.0).abs() < 0.01, "{t}: {}", paired_p(&differences));
+        }
+        assert_eq!(paired_p(&[2.0, 2.0]), 0.0);
+    }
+}

@@ -1,0 +1,182 @@
+//! What lanes leave out, along slanted walls and round small obstacles: places from which it is swept, by side trips from where
+//! a route comes nearest.
+//!
+//! The places are centres of cells, the one from which most is gained first, until the share asked for is swept. From all of
+//! them together everything that can be asked for is swept, so this always gets there.
+
+use crate::{Instance, Mode, Route, transfers::Transfers};
+use std::collections::BinaryHeap;
+use terrain::{Cell, Lattice, Point, Segment, SweptRaster, samples_swept_from};
+
+/// So many places of routes are looked at for a side trip.
+const CANDIDATES: usize = 4;
+
+/// Adds side trips to routes until they sweep `share` of what is to be swept. Routes have at least one point each.
+pub(super) fn sweep_the_rest(transfers: &mut Transfers<'_, '_>, routes: &mut [Route], share: f64) {
+    let instance = transfers.space().instance();
+    for stop in stops(instance, routes, share) {
+        side_trip(transfers, routes, instance.center(stop));
+    }
+}
+
+/// Cells from whose centres the rest is swept.
+fn stops(instance: &Instance<'_>, routes: &[Route], share: f64) -> Vec<Cell> {
+    let mut rest = Rest::new(instance, routes);
+    let allowed = ((1.0 - share).max(0.0) * rest.wanted as f64) as u64;
+    let mut stops = Vec::new();
+    // Places some way apart first; all of them where these are not enough.
+    for stride in [rest.stride(), 1] {
+        let mut gains = rest.first_gains(stride);
+        while rest.left > allowed {
+            let Some((promised, at)) = gains.pop() else { break };
+            let gain = rest.gain(at);
+            if gain > 0 && gain < promised {
+                gains.push((gain, at));
+            } else if gain > 0 {
+                rest.sweep(at);
+                stops.push(instance.floor.lattice().cell(at));
+            }
+        }
+    }
+    stops
+}
+
+/// What is still to be swept.
+struct Rest<'a, 'i> {
+    instance: &'a Instance<'i>,
+    /// Samples, per cell.
+    missing: Vec<u64>,
+    wanted: u64,
+    left: u64,
+    /// What a tool over the centre of a cell sweeps: column and row difference, and samples.
+    tool: Vec<(i32, i32, u64)>,
+}
+
+impl<'a, 'i> Rest<'a, 'i> {
+    fn new(instance: &'a Instance<'i>, routes: &[Route]) -> Self {
+        let (floor, lattice) = (instance.floor, instance.floor.lattice());
+        let mut raster = SweptRaster::new(*lattice);
+        let radius_m = floor.tool_width_m() / 2.0;
+        for pair in routes.iter().flat_map(|route| route.points.windows(2)) {
+            raster.sweep(Segment::new(pair[0], pair[1]), radius_m, |_| {});
+        }
+        let wanted = |index: usize| if instance.visit[index] { floor.required(index) } else { 0 };
+        let missing: Vec<u64> =
+            (0..lattice.len()).map(|index| wanted(index) & !raster.samples(index)).collect();
+        let count =
+            |samples: &mut dyn Iterator<Item = u64>| samples.map(|bits| u64::from(bits.count_ones())).sum();
+        Self {
+            instance,
+            wanted: count(&mut (0..lattice.len()).map(wanted)),
+            left: count(&mut missing.iter().copied()),
+            missing,
+            tool: stencil(lattice, radius_m),
+        }
+    }
+
+    /// A quarter of the tool, in cells.
+    fn stride(&self) -> i32 {
+        let floor = self.instance.floor;
+        ((floor.tool_width_m() / 4.0 / floor.lattice().cell_m) as i32).max(1)
+    }
+
+    /// Cells around one, and the missing samples of theirs that are swept from its centre.
+    fn swept_from(&self, at: usize) -> impl Iterator<Item = (usize, u64)> + '_ {
+        let lattice = self.instance.floor.lattice();
+        let cell = lattice.cell(at);
+        self.tool.iter().filter_map(move |&(dx, dy, samples)| {
+            let index = lattice.index(Cell::new(cell.x + dx, cell.y + dy))?;
+            Some((index, self.missing[index] & samples))
+        })
+    }
+
+    fn gain(&self, at: usize) -> u32 {
+        self.swept_from(at).map(|(_, samples)| samples.count_ones()).sum()
+    }
+
+    fn sweep(&mut self, at: usize) {
+        let swept: Vec<(usize, u64)> = self.swept_from(at).collect();
+        for (index, samples) in swept {
+            self.missing[index] &= !samples;
+            self.left -= u64::from(samples.count_ones());
+        }
+    }
+
+    /// What reachable cells around missing ground would gain; only every `stride`th column and row.
+    fn first_gains(&self, stride: i32) -> BinaryHeap<(u32, usize)> {
+        let lattice = self.instance.floor.lattice();
+        let mut near = vec![false; lattice.len()];
+        for (index, _) in self.missing.iter().enumerate().filter(|&(_, &open)| open != 0) {
+            let cell = lattice.cell(index);
+            for &(dx, dy, _) in &self.tool {
+                if let Some(index) = lattice.index(Cell::new(cell.x + dx, cell.y + dy)) {
+                    near[index] = true;
+                }
+            }
+        }
+        let reachable = self.instance.reachable();
+        let on_stride = |index: usize| {
+            let cell = lattice.cell(index);
+            cell.x % stride == 0 && cell.y % stride == 0
+        };
+        let stands = (0..near.len()).filter(|&index| near[index] && reachable[index] && on_stride(index));
+        stands.map(|index| (self.gain(index), index)).collect()
+    }
+}
+
+/// What a tool over the centre of a cell sweeps, as in [`Rest::tool`].
+fn stencil(lattice: &Lattice, radius_m: f64) -> Vec<(i32, i32, u64)> {
+    let around = Lattice { origin: Point::origin(), ..*lattice };
+    let center = around.center(Cell::new(0, 0));
+    let longest = lattice.columns.max(lattice.rows);
+    let reach = (radius_m / lattice.cell_m + 0.5).ceil().min(f64::from(longest)) as i32;
+    (-reach..=reach)
+        .flat_map(|dy| (-reach..=reach).map(move |dx| (dx, dy)))
+        .map(|(dx, dy)| (dx, dy, samples_swept_from(&around, Cell::new(dx, dy), center, radius_m)))
+        .filter(|&(_, _, samples)| samples != 0)
+        .collect()
+}
+
+/// A place on a route: between point `at` and the next one.
+#[derive(Debug, Clone, Copy)]
+struct Branch {
+    robot: usize,
+    at: usize,
+    place: Point,
+    distance_m: f64,
+}
+
+/// Leads the nearest route to a place and back.
+fn side_trip(transfers: &mut Transfers<'_, '_>, routes: &mut [Route], stop: Point) {
+    let ways = branches(routes, stop).into_iter().filter_map(|branch| {
+        let way = transfers.way(branch.place, stop)?;
+        Some((branch, way))
+    });
+    let best = ways.min_by(|a, b| a.1.length_m.total_cmp(&b.1.length_m));
+    let Some((branch, way)) = best else { return };
+    let points = &mut routes[branch.robot].points;
+    let ends_here = branch.at + 1 == points.len();
+    let mut trip = vec![branch.place];
+    trip.extend(&way.points);
+    if !(ends_here && transfers.space().instance().mode == Mode::Cover) {
+        trip.extend(way.points.iter().rev().skip(1));
+    }
+    trip.dedup();
+    points.splice(branch.at + 1..branch.at + 1, trip);
+    points.dedup_by(|a, b| (*a - *b).norm() < 1e-9);
+}
+
+/// Where routes come nearest to a place, in a straight line.
+fn branches(routes: &[Route], stop: Point) -> Vec<Branch> {
+    let mut found: Vec<Branch> = Vec::new();
+    for (robot, route) in routes.iter().enumerate() {
+        for (at, &from) in route.points.iter().enumerate() {
+            let to = route.points.get(at + 1).copied().unwrap_or(from);
+            let place = Segment::new(from, to).nearest(stop);
+            found.push(Branch { robot, at, place, distance_m: (place - stop).norm() });
+        }
+    }
+    found.sort_by(|a, b| a.distance_m.total_cmp(&b.distance_m));
+    found.truncate(CANDIDATES);
+    found
+}
