@@ -354,39 +354,45 @@ impl Coordinator {
             if self.ledger.missing(index) & !swept == 0 {
                 continue;
             }
-            if let Some(stand) = self.stand_for(index, &reachable).filter(|&stand| self.is_in_range(stand)) {
-                visit[stand] = true;
+            for stand in self.stands_for(index, &reachable) {
+                visit[stand] |= self.is_in_range(stand);
             }
         }
         visit
     }
 
-    /// The reachable cell to stand in so that what is missing of a cell gets swept.
-    fn stand_for(&self, index: usize, reachable: &[bool]) -> Option<usize> {
+    /// The reachable cells to stand in so that what is missing of a cell gets swept, as far as it can be from there.
+    fn stands_for(&self, index: usize, reachable: &[bool]) -> Vec<usize> {
         if self.floor.is_drivable(index) {
-            return reachable[index].then_some(index);
+            return if reachable[index] { vec![index] } else { Vec::new() };
         }
+        let mut missing = self.ledger.missing(index);
+        let mut stands = Vec::new();
+        while let Some((stand, swept)) = self.best_stand(index, missing, reachable) {
+            missing &= !swept;
+            stands.push(stand);
+        }
+        stands
+    }
+
+    /// The reachable cell from whose centre most of some samples of a cell gets swept, and which.
+    fn best_stand(&self, index: usize, missing: u64, reachable: &[bool]) -> Option<(usize, u64)> {
         let lattice = self.floor.lattice();
         let cell = lattice.cell(index);
-        let reach = (self.floor.tool_width_m() / 2.0 / lattice.cell_m).ceil() as i32;
-        let missing = self.ledger.missing(index);
-        let mut best: Option<(u32, usize)> = None;
+        let radius_m = self.floor.tool_width_m() / 2.0;
+        let reach = (radius_m / lattice.cell_m).ceil() as i32;
+        let mut best: Option<(usize, u64)> = None;
         for y in cell.y - reach..=cell.y + reach {
             for x in cell.x - reach..=cell.x + reach {
                 let Some(at) = lattice.index(Cell::new(x, y)).filter(|&at| reachable[at]) else { continue };
-                let swept = terrain::samples_swept_from(
-                    lattice,
-                    cell,
-                    lattice.center(lattice.cell(at)),
-                    self.floor.tool_width_m() / 2.0,
-                );
-                let gain = (swept & missing).count_ones();
-                if gain > 0 && best.is_none_or(|(most, _)| gain > most) {
-                    best = Some((gain, at));
+                let center = lattice.center(lattice.cell(at));
+                let swept = missing & terrain::samples_swept_from(lattice, cell, center, radius_m);
+                if swept.count_ones() > best.map_or(0, |(_, most)| most.count_ones()) {
+                    best = Some((at, swept));
                 }
             }
         }
-        best.map(|(_, at)| at)
+        best
     }
 
     fn reachable(&self, blocked: &[bool], starts: &[Start]) -> Vec<bool> {

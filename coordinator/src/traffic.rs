@@ -410,11 +410,17 @@ impl Coordinator {
         cells.iter().map(|&cell| self.place(cell)).collect()
     }
 
-    /// A cell as a place of a route.
+    /// A cell as a place of a route: the tool is on where something is missing, in it or beside it where nobody can stand.
     pub(crate) fn place(&self, cell: Cell) -> Waypoint {
         let lattice = self.floor.lattice();
-        let tool_active = lattice.index(cell).is_some_and(|index| self.ledger.is_open(index));
-        Waypoint { point: lattice.center(cell), cell: Some(cell), tool_active }
+        let point = lattice.center(cell);
+        let own = lattice.index(cell);
+        let is_task = |index: usize| Some(index) == own || !self.floor.is_drivable(index);
+        let tool_active = own.is_some_and(|index| self.ledger.is_open(index))
+            || self
+                .cells_swept(Segment::new(point, point))
+                .any(|(index, samples)| is_task(index) && samples & self.ledger.missing(index) != 0);
+        Waypoint { point, cell: Some(cell), tool_active }
     }
 
     /// Sends a robot over cells, then on to an ending.

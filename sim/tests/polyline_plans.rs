@@ -68,7 +68,7 @@ fn scenarios() -> PathBuf {
 
 fn load(file: &str, change: impl FnOnce(&mut Scenario)) -> Arc<Scenario> {
     let mut scenario = Scenario::load(scenarios().join(file)).unwrap_or_else(|error| panic!("{error}"));
-    scenario.file.mission.planner = ROUNDED.to_owned();
+    ROUNDED.clone_into(&mut scenario.file.mission.planner);
     change(&mut scenario);
     Arc::new(scenario)
 }
@@ -156,7 +156,7 @@ fn every_planner_that_leaves_the_lattice_is_driven_to_the_end() {
     for planner in planner::PLANNERS.iter().filter(|planner| !keeps_to_lattice(planner.name)) {
         for faults in ["", "kind = \"kill\"\nrobot = \"r2\"\nwhen_covered_percent = 50.0"] {
             let scenario = load("office.toml", |scenario| {
-                scenario.file.mission.planner = planner.name.to_owned();
+                planner.name.clone_into(&mut scenario.file.mission.planner);
                 scenario.file.faults.clear();
                 if !faults.is_empty() {
                     scenario.file.faults.push(toml::from_str(faults).expect("a fault"));
@@ -188,7 +188,7 @@ fn no_random_story_breaks_an_invariant() {
     let mut broken = Vec::new();
     for seed in shown.clone().unwrap_or(STORIES) {
         let mut scenario = Arc::unwrap_or_clone(random_story(seed));
-        scenario.file.mission.planner = ROUNDED.to_owned();
+        ROUNDED.clone_into(&mut scenario.file.mission.planner);
         let options = Options { virtual_max_s: 1800.0, ..options() };
         let outcome = Rehearsal::run(&Arc::new(scenario), seed, options, None).expect("the floor is sound");
         if shown.is_some() {
@@ -222,12 +222,13 @@ fn of_mcfs(name: &str, planner: &str, faults: &str) -> Option<Arc<Scenario>> {
     std::fs::write(&map, larger.to_string()).expect("the folder for tests is writable");
     let count = value["robots"].as_array().map_or(1, Vec::len);
     let scenario = format!(
-        "[mission]\nid = \"{name}\"\nmap = {map:?}\n[robot]\ntool_width_m = 0.5\n\
-         [fleet]\ncount = {count}\nspread = true\n{faults}"
+        "[mission]\nid = \"{name}\"\nmap = \"{}\"\n[robot]\ntool_width_m = 0.5\n\
+         [fleet]\ncount = {count}\nspread = true\n{faults}",
+        map.display()
     );
     let mut scenario =
         Scenario::parse(&scenario, Path::new("mcfs.toml")).unwrap_or_else(|error| panic!("{error}"));
-    scenario.file.mission.planner = planner.to_owned();
+    planner.clone_into(&mut scenario.file.mission.planner);
     Some(Arc::new(scenario))
 }
 

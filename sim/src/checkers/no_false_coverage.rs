@@ -21,6 +21,7 @@ impl Checker for NoFalseCoverage {
         let lattice = *floor.lattice();
         self.checked.resize(lattice.len(), false);
         let mut false_samples = 0;
+        let mut first = None;
         let swept = world.swept();
         for_each_cell(delta, lattice.columns, |index, status| {
             let news = status == CellStatus::CellCovered && !self.checked[index];
@@ -28,9 +29,12 @@ impl Checker for NoFalseCoverage {
             let missing = (floor.required(index) & !swept.samples(index)).count_ones();
             if news && f64::from(missing) > MISSING_MAX * f64::from(floor.required(index).count_ones()) {
                 false_samples += u64::from(missing);
+                first.get_or_insert(lattice.cell(index));
             }
         });
         let area_m2 = SweptRaster::area_m2(&lattice, false_samples);
-        (false_samples > 0).then(|| format!("{area_m2:.4} m² are claimed COVERED and were not swept"))
+        first.map(|cell| {
+            format!("{area_m2:.4} m² are claimed COVERED and were not swept, the first in cell {cell}")
+        })
     }
 }
