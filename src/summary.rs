@@ -66,7 +66,11 @@ impl std::fmt::Display for Report {
             "covered      {:.2} % ({:.1} of {:.1} m²)",
             self.covered_percent, self.covered_m2, self.coverable_m2
         )?;
-        writeln!(f, "untouchable  {:.1} m² of free ground that the tool touches from no cell", self.untouchable_m2)?;
+        writeln!(
+            f,
+            "untouchable  {:.1} m² of free ground that the tool touches from no cell",
+            self.untouchable_m2
+        )?;
         writeln!(f, "mission time {:.0} s (first plan: {:.0} s)", self.duration_s, self.planned_s)?;
         write!(f, "replans      {}, robots lost {}", self.replans, self.robots_lost)?;
         for gap in &self.gaps {

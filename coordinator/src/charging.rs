@@ -111,7 +111,8 @@ impl Coordinator {
     pub(crate) fn measure_station_moves(&mut self) {
         for station in 0..self.stations.len() {
             let cell: Vec<Cell> = self.station_cell(station).into_iter().collect();
-            self.stations[station].moves = way::moves_to(&self.floor, &cell, |cell| self.is_open_ground(cell));
+            self.stations[station].moves =
+                way::moves_to(&self.floor, &cell, |cell| self.is_open_ground(cell));
         }
     }
 
@@ -208,7 +209,9 @@ impl Coordinator {
         let lattice = self.floor.lattice();
         let own = lattice.cell_at(from)?;
         let known = |cell: Cell| {
-            lattice.index(cell).is_some_and(|at| self.stations.iter().any(|station| station.moves[at] != u32::MAX))
+            lattice
+                .index(cell)
+                .is_some_and(|at| self.stations.iter().any(|station| station.moves[at] != u32::MAX))
         };
         let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| Cell::new(own.x + dx, own.y + dy)));
         std::iter::once(own).chain(around).find(|&cell| known(cell))
@@ -471,7 +474,8 @@ impl Coordinator {
         if state.occupied_by.is_some() || !state.works() {
             return;
         }
-        let way = |robot: RobotIndex| self.start_cell(robot).and_then(|from| self.way_to_station(from, station));
+        let way =
+            |robot: RobotIndex| self.start_cell(robot).and_then(|from| self.way_to_station(from, station));
         let next = state.queue.iter().find(|&&robot| self.is_open_for(robot, station));
         if next != Some(&index) {
             return;

@@ -34,7 +34,8 @@ impl Series {
             scenario.file.robot.battery.capacity_wh = ENDLESS_WH;
         }
         let scenario = Arc::new(scenario);
-        let play = |day| Rehearsal::run(&scenario, day, Options::default(), None).expect("the floor is sound");
+        let play =
+            |day| Rehearsal::run(&scenario, day, Options::default(), None).expect("the floor is sound");
         Self { people, endless, days: (0..days).map(play).collect() }
     }
 
@@ -133,10 +134,18 @@ fn svg(series: &[Series]) -> String {
     for percent in [0.0, 25.0, 50.0, 75.0, 100.0] {
         let at = y(percent);
         add(format!("<path d=\"M{left} {at:.1}H{:.1}\" stroke=\"#ddd\"/>", width - 20.0));
-        add(format!("<text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{percent} %</text>", left - 6.0, at + 4.0));
+        add(format!(
+            "<text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{percent} %</text>",
+            left - 6.0,
+            at + 4.0
+        ));
     }
     for at_s in (0..=(longest_s / 1000.0) as u32).map(|k| f64::from(k) * 1000.0) {
-        add(format!("<text x=\"{:.1}\" y=\"{}\" text-anchor=\"middle\">{at_s} s</text>", x(at_s), bottom + 18.0));
+        add(format!(
+            "<text x=\"{:.1}\" y=\"{}\" text-anchor=\"middle\">{at_s} s</text>",
+            x(at_s),
+            bottom + 18.0
+        ));
     }
     for (number, one) in series.iter().enumerate() {
         let colour = COLOURS[number % COLOURS.len()];
@@ -145,7 +154,9 @@ fn svg(series: &[Series]) -> String {
         let line: Vec<String> =
             ends.map(|at_s| format!("{:.1},{:.1}", x(at_s), y(one.covered_at(at_s)))).collect();
         let points = line.join(" ");
-        add(format!("<polyline points=\"{points}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"1.5\"{dash}/>"));
+        add(format!(
+            "<polyline points=\"{points}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"1.5\"{dash}/>"
+        ));
         let (at_x, at_y) = (width - 250.0, bottom - 110.0 + 16.0 * number as f64);
         add(format!("<path d=\"M{at_x} {at_y}h24\" stroke=\"{colour}\" stroke-width=\"1.5\"{dash}/>"));
         add(format!("<text x=\"{}\" y=\"{}\">{}</text>", at_x + 30.0, at_y + 4.0, one.name()));

@@ -389,7 +389,8 @@ mod tests {
     #[test]
     fn one_who_looks_keeps_away_from_robots_and_a_careless_one_does_not() {
         let robot = Point::new(3.5, 2.0);
-        let (to_robot, straight) = (Gait::ToPlaces { goal: Some(robot), blocked_since: None }, Gait::until_contact());
+        let (to_robot, straight) =
+            (Gait::ToPlaces { goal: Some(robot), blocked_since: None }, Gait::until_contact());
         for gait in [to_robot, straight] {
             assert_eq!(walk(&mut person(gait, false), robot, 300, |_| {}), None);
             assert_eq!(walk(&mut person(gait, true), robot, 900, |_| {}), Some(0));

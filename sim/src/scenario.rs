@@ -133,8 +133,8 @@ impl Scenario {
         let robot = &file.robot;
         let tool_width_m = robot.tool_width_m - 2.0 * SWEEP_TOLERANCE_M;
         let room_m = robot.body_radius_m + coordinator::WALL_MARGIN_M;
-        let floor = Floor::new(&map, file.cell_m(), room_m, tool_width_m)
-            .map_err(|error| Refused::floor(&error))?;
+        let floor =
+            Floor::new(&map, file.cell_m(), room_m, tool_width_m).map_err(|error| Refused::floor(&error))?;
         if !floor.tool_fits(&map, robot.tool_width_m) {
             let width_m = robot.tool_width_m;
             let what = format!("a tool of {width_m} m is wider than every passage; give a narrower one");

@@ -241,7 +241,12 @@ impl World {
     /// Ids of the robots whose battery ran empty on the floor, away from a working station.
     pub(crate) fn take_stranded(&mut self) -> Vec<String> {
         let stranded = std::mem::take(&mut self.stranded);
-        self.bodies.iter().zip(stranded).filter(|(_, empty)| *empty).map(|(body, _)| body.id.clone()).collect()
+        self.bodies
+            .iter()
+            .zip(stranded)
+            .filter(|(_, empty)| *empty)
+            .map(|(body, _)| body.id.clone())
+            .collect()
     }
 
     /// What the tools have truly swept so far, on the mission's lattice.

@@ -26,7 +26,8 @@ fn scenario(map: &str, robot: [f64; 3], stations: [(f64, f64); 2]) -> Option<Sce
 
 fn covers(map: &str, robot: [f64; 3], stations: [(f64, f64); 2]) {
     let Some(scenario) = scenario(map, robot, stations) else { return };
-    let outcome = Rehearsal::run(&Arc::new(scenario), 1, Options::default(), None).expect("the floor is sound");
+    let outcome =
+        Rehearsal::run(&Arc::new(scenario), 1, Options::default(), None).expect("the floor is sound");
     let result = outcome.result.clone().expect("it ends");
     let progress = result.progress.expect("it has progress");
     println!(
@@ -41,7 +42,11 @@ fn covers(map: &str, robot: [f64; 3], stations: [(f64, f64); 2]) {
     assert_eq!(outcome.violations, [], "{}", outcome.transcript.text());
     assert_eq!(outcome.contacts, 0);
     let ended = result.mission_state();
-    assert!(matches!(ended, MissionState::Completed | MissionState::CompletedWithGaps), "{}", ended.as_str_name());
+    assert!(
+        matches!(ended, MissionState::Completed | MissionState::CompletedWithGaps),
+        "{}",
+        ended.as_str_name()
+    );
     let too_narrow = |gap: &protocol::v1::Gap| gap.reason().as_str_name() == "TOO_NARROW";
     assert!(result.gaps.iter().all(too_narrow), "{:?}", result.gaps);
     assert!(progress.untouchable_m2 > 0.0);
@@ -65,14 +70,17 @@ fn a_furnished_flat() {
 /// A door of 0.5 m and a body of 0.6 m: the room behind ends as a gap, and the rest is covered.
 #[test]
 fn a_room_behind_a_door_narrower_than_the_robot_is_named() {
-    let rows = ["........@.......", "........@.......", "................", "........@.......", "........@......."];
-    let map = format!("type octile\nheight {}\nwidth {}\nmap\n{}\n", rows.len(), rows[0].len(), rows.join("\n"));
+    let rows =
+        ["........@.......", "........@.......", "................", "........@.......", "........@......."];
+    let map =
+        format!("type octile\nheight {}\nwidth {}\nmap\n{}\n", rows.len(), rows[0].len(), rows.join("\n"));
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
     std::fs::write(folder.join("narrow_door.map"), map).expect("the folder can be written");
     let text = "[mission]\nmap = \"narrow_door.map\"\nmetres_per_character = 0.5\n[robot]\nbody_radius_m = 0.3\n\
                 [[robots]]\nid = \"r1\"\nx_m = 1.25\ny_m = 1.25\n";
     let scenario = Scenario::parse(text, &folder.join("mine.toml")).unwrap_or_else(|error| panic!("{error}"));
-    let outcome = Rehearsal::run(&Arc::new(scenario), 1, Options::default(), None).expect("the floor is sound");
+    let outcome =
+        Rehearsal::run(&Arc::new(scenario), 1, Options::default(), None).expect("the floor is sound");
     let result = outcome.result.clone().expect("it ends");
     assert_eq!(outcome.violations, [], "{}", outcome.transcript.text());
     assert_eq!(result.mission_state(), MissionState::CompletedWithGaps);

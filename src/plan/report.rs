@@ -126,9 +126,17 @@ impl fmt::Display for PlanReport {
         writeln!(f, "planned in   {:.3} s", self.planning_s)?;
         writeln!(f, "coverable    {:.1} m²", self.coverable_m2)?;
         if self.out_of_reach_m2 > 0.0 {
-            writeln!(f, "out of reach {:.1} m² behind passages too narrow for the body", self.out_of_reach_m2)?;
+            writeln!(
+                f,
+                "out of reach {:.1} m² behind passages too narrow for the body",
+                self.out_of_reach_m2
+            )?;
         }
-        writeln!(f, "untouchable  {:.1} m² of free ground that the tool touches from no cell", self.untouchable_m2)?;
+        writeln!(
+            f,
+            "untouchable  {:.1} m² of free ground that the tool touches from no cell",
+            self.untouchable_m2
+        )?;
         writeln!(f, "coverage     {:.2} % of what the tool can reach", 100.0 * self.coverage_ratio)?;
         writeln!(f, "overlap      {:.2} %", 100.0 * self.overlap_ratio)?;
         writeln!(f, "turns        {}", self.turns)?;

@@ -104,7 +104,17 @@ impl Floor {
         let (required, classes) = required_samples(&lattice, &drivable, &free, tool_width_m / 2.0);
         let free_samples = count(&free);
         let map = Some(Arc::new(map.clone()));
-        Ok(Self { lattice, body_radius_m, tool_width_m, drivable, moves, required, free_samples, classes, map })
+        Ok(Self {
+            lattice,
+            body_radius_m,
+            tool_width_m,
+            drivable,
+            moves,
+            required,
+            free_samples,
+            classes,
+            map,
+        })
     }
 
     /// A floor straight from cells, where each free cell can be driven and is required whole: the grid of the
@@ -126,7 +136,17 @@ impl Floor {
             free.iter().map(|&free| if free { CellClass::Coverable } else { CellClass::Obstacle }).collect();
         let drivable = free.to_vec();
         let free_samples = count(&required);
-        Self { lattice, body_radius_m, tool_width_m, drivable, moves, required, free_samples, classes, map: None }
+        Self {
+            lattice,
+            body_radius_m,
+            tool_width_m,
+            drivable,
+            moves,
+            required,
+            free_samples,
+            classes,
+            map: None,
+        }
     }
 
     /// Closes a move, and the way back: a wall that is thinner than a cell.

@@ -48,7 +48,8 @@ impl RunHead {
         let tolerance_m = self.number("coverage_tolerance_m")?;
         let cell_m = self.number("cell_m")?;
         // Logs of before there was such a margin do not tell it.
-        let margin_m = if self.facts.contains_key("wall_margin_m") { self.number("wall_margin_m")? } else { 0.0 };
+        let margin_m =
+            if self.facts.contains_key("wall_margin_m") { self.number("wall_margin_m")? } else { 0.0 };
         let floor_for = |tool_width_m: f64| {
             Floor::new(&map, cell_m, body_radius_m + margin_m, tool_width_m)
                 .map_err(|error| LogError::Foreign(error.to_string()))

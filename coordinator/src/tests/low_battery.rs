@@ -47,14 +47,16 @@ fn ground_is_granted_exactly_as_far_as_the_battery_lasts_there_and_home() {
         story.states[1].state_of_charge_percent = charge;
         story.answer();
         story.run(0.1, &[1]);
-        let Some((_, order)) = story.orders.iter().find(|(robot, order)| robot == "r2" && order.complete) else {
+        let Some((_, order)) = story.orders.iter().find(|(robot, order)| robot == "r2" && order.complete)
+        else {
             continue;
         };
         let order = order.clone();
         let released = story.grants_of("r2", order.order_id);
         let spare = charge - 10.0;
         assert!(released == order.nodes[0].sequence_id || there_and_home_m(&order, released) <= spare + 1e-9);
-        if story.says("QUEUED") || story.orders.iter().any(|(_, order)| order.end_action() == EndAction::StartCharging)
+        if story.says("QUEUED")
+            || story.orders.iter().any(|(_, order)| order.end_action() == EndAction::StartCharging)
         {
             broke_off += 1;
             let next = there_and_home_m(&order, released + 1);
