@@ -14,7 +14,7 @@ use std::sync::Arc;
 /// Played in every test run.
 const DAYS: Range<u64> = 0..1;
 /// Share of the coverable area that is covered at least while queues stand, and when they have gone. What is left then
-/// are pockets that no way over the lattice leads to: TOO_NARROW, 0.13 % of the hall.
+/// are pockets that no way over the lattice leads to: `TOO_NARROW`, 0.13 % of the hall.
 const COVERED_MIN_PERCENT: [f64; 2] = [99.0, 99.8];
 
 fn wanted() -> Option<Range<u64>> {
