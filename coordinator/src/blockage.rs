@@ -19,6 +19,8 @@ use protocol::{
 };
 use terrain::{Point, Segment};
 
+/// Hits of a scan as near as this to a wall of the map are the wall, metres.
+const WALL_SLACK_M: f64 = 0.1;
 /// What was seen free is taken up after so long when no robot is idle, seconds.
 const GATHER_S: f64 = 60.0;
 /// Other hits as near as this to a blockage belong to it, metres.
@@ -64,7 +66,14 @@ impl Coordinator {
         }
         let Some(state) = self.robots[index].state.as_ref() else { return };
         let (Some(scan), Some(pose)) = (&state.scan, &state.pose) else { return };
-        let freed = self.zones.clear_by_scan(now, &self.floor, pose, scan);
+        if !self.zones.any_within(&self.floor, Point::new(pose.x_m, pose.y_m), scan.range_max_m) {
+            return;
+        }
+        let hits = beam_ends(pose, scan);
+        let hit_known =
+            |(end, &range): (Point, &f32)| f64::from(range) < scan.range_max_m && self.is_known(index, end);
+        let known: Vec<bool> = hits.zip(&scan.ranges_m).map(hit_known).collect();
+        let freed = self.zones.clear_by_scan(now, &self.floor, pose, scan, &known);
         if freed.is_empty() {
             return;
         }
@@ -187,7 +196,7 @@ impl Coordinator {
 
     /// Whether a hit is a wall of the map or another robot.
     fn is_known(&self, index: RobotIndex, hit: Point) -> bool {
-        let wall = !self.config.mission.map.disc_is_free(hit, zones::WALL_SLACK_M);
+        let wall = !self.config.mission.map.disc_is_free(hit, WALL_SLACK_M);
         let body_m = self.config.mission.body_radius_m + 0.15;
         wall || self.robots.iter().enumerate().any(|(other, robot)| {
             other != index
@@ -199,11 +208,15 @@ impl Coordinator {
 
 /// The points a scan hit, metres in the map frame.
 fn scan_points<'a>(pose: &'a v1::Pose, scan: &'a v1::RangeScan) -> impl Iterator<Item = Point> + 'a {
-    scan.ranges_m.iter().enumerate().filter(|&(_, &range)| f64::from(range) < scan.range_max_m - 1e-3).map(
-        |(beam, &range)| {
-            let bearing = pose.theta_rad + scan.angle_min_rad + scan.angle_increment_rad * beam as f64;
-            let range = f64::from(range);
-            Point::new(pose.x_m + range * bearing.cos(), pose.y_m + range * bearing.sin())
-        },
-    )
+    let hit = |&(_, &range): &(Point, &f32)| f64::from(range) < scan.range_max_m - 1e-3;
+    beam_ends(pose, scan).zip(&scan.ranges_m).filter(hit).map(|(end, _)| end)
+}
+
+/// Where the beams of a scan end, metres in the map frame.
+fn beam_ends<'a>(pose: &'a v1::Pose, scan: &'a v1::RangeScan) -> impl Iterator<Item = Point> + 'a {
+    scan.ranges_m.iter().enumerate().map(|(beam, &range)| {
+        let bearing = pose.theta_rad + scan.angle_min_rad + scan.angle_increment_rad * beam as f64;
+        let range = f64::from(range);
+        Point::new(pose.x_m + range * bearing.cos(), pose.y_m + range * bearing.sin())
+    })
 }

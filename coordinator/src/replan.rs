@@ -188,8 +188,7 @@ impl Coordinator {
             planner: task.planner.clone(),
         };
         let stations: Vec<Cell> = self.station_cells();
-        let options =
-            PlanOptions { planner: task.planner, seed: self.config.seed, ..PlanOptions::default() };
+        let options = PlanOptions { planner: task.planner, seed: self.config.seed, ..PlanOptions::default() };
         let Task { visit, blocked, starts, .. } = task;
         let floor = Arc::clone(&self.floor);
         let mode = Mode::Cover;

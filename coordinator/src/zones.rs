@@ -9,22 +9,20 @@
 //! ```
 //!
 //! The disc reaches as far beyond the body as half a move to the next cell needs, so that ground seen free can be left
-//! on all sides; only walls of the map may stand in that rim. Else an obstacle that stays would be found again and again.
+//! on all sides; only walls of the map and robots may stand in that rim. Else an obstacle that stays would be found again and again.
 
 use protocol::{
     Timestamp,
     v1::{self, UnreachableReason, ZoneType},
 };
 use std::{collections::BTreeSet, time::Duration};
-use terrain::{Floor, Point, Segment, Vector, angle_between};
+use terrain::{Floor, Point, Segment, angle_between};
 
 /// Beams may be this far apart at the cell for a body not to hide between them, metres.
 const BEAM_SPACING_MAX_M: f64 = 0.2;
 /// After the second strike a cell cannot be seen free for three times this long; twice as long each time, seconds.
 const LOCK_S: f64 = 10.0;
 const STRIKES_MAX: u8 = 8;
-/// Hits of a scan as near as this to a wall of the map are the wall, metres.
-pub(crate) const WALL_SLACK_M: f64 = 0.1;
 /// What a hit may be nearer than the body's disc without meaning anything, metres (range noise).
 const HIT_SLACK_M: f64 = 0.03;
 
@@ -152,20 +150,29 @@ impl Zones {
         self.list.iter().find(|zone| zone.ground.iter().any(near)).map(|zone| zone.id)
     }
 
-    /// Takes cells out of the zones that `scan`, taken at `from`, sees through. Returns the cells freed.
+    /// Whether a cell of a zone is nearer to a point than this, metres.
+    pub(crate) fn any_within(&self, floor: &Floor, point: Point, reach_m: f64) -> bool {
+        let lattice = floor.lattice();
+        let near = |&index: &usize| (lattice.center(lattice.cell(index)) - point).norm() < reach_m;
+        self.list.iter().any(|zone| zone.cells.iter().any(near))
+    }
+
+    /// Takes cells out of the zones that `scan`, taken at `from`, sees through. Returns the cells freed. `known` says of
+    /// each beam whether it hit a wall of the map or another robot.
     pub(crate) fn clear_by_scan(
         &mut self,
         now: Timestamp,
         floor: &Floor,
         from: &v1::Pose,
         scan: &v1::RangeScan,
+        known: &[bool],
     ) -> Vec<usize> {
         let eye = Point::new(from.x_m, from.y_m);
         let mut freed = Vec::new();
         for zone in self.list.iter_mut().filter(|zone| now >= zone.locked_until) {
             let sees = |index: &usize| {
                 let center = floor.lattice().center(floor.lattice().cell(*index));
-                is_seen_free(eye, from.theta_rad, scan, center, floor)
+                is_seen_free(eye, from.theta_rad, scan, known, center, floor)
             };
             let seen: Vec<usize> = zone.cells.iter().copied().filter(|index| sees(index)).collect();
             for index in seen {
@@ -204,9 +211,16 @@ impl Zones {
 }
 
 /// Whether a scan shows that a body could stand at `center` and leave it on all sides.
-fn is_seen_free(eye: Point, heading: f64, scan: &v1::RangeScan, center: Point, floor: &Floor) -> bool {
+fn is_seen_free(
+    eye: Point,
+    heading: f64,
+    scan: &v1::RangeScan,
+    known: &[bool],
+    center: Point,
+    floor: &Floor,
+) -> bool {
     let body_m = floor.body_radius_m();
-    let clear_m = body_m.hypot(floor.lattice().cell_m / 2.0) + HIT_SLACK_M;
+    let rim_m = body_m.hypot(floor.lattice().cell_m / 2.0) + HIT_SLACK_M;
     let to = center - eye;
     let distance = to.norm();
     if distance + body_m > scan.range_max_m || distance * scan.angle_increment_rad.abs() > BEAM_SPACING_MAX_M
@@ -222,25 +236,20 @@ fn is_seen_free(eye: Point, heading: f64, scan: &v1::RangeScan, center: Point, f
         let direction = heading + scan.angle_min_rad + scan.angle_increment_rad * beam as f64;
         let off = angle_between(bearing, direction);
         let miss = distance * off.sin();
-        if off.cos() <= 0.0 || miss.abs() >= clear_m {
+        if off.cos() <= 0.0 || miss.abs() >= rim_m {
             continue;
         }
-        crossing += u32::from(miss.abs() < body_m);
-        let leaves = distance * off.cos() + (clear_m * clear_m - miss * miss).sqrt();
-        let range = f64::from(range);
-        if range < leaves.min(scan.range_max_m) - HIT_SLACK_M {
-            let hit = eye + Vector::new(direction.cos(), direction.sin()) * range;
-            let in_rim = (hit - center).norm() > body_m - HIT_SLACK_M;
-            if !(in_rim && is_wall(floor, hit)) {
-                return false;
-            }
+        let (range, along) = (f64::from(range), distance * off.cos());
+        let ends_before = |radius_m: f64| {
+            let half2 = radius_m * radius_m - miss * miss;
+            half2 > 0.0 && range < (along + half2.sqrt()).min(scan.range_max_m) - HIT_SLACK_M
+        };
+        if ends_before(body_m) || ends_before(rim_m) && !known[beam] {
+            return false;
         }
+        crossing += u32::from(miss.abs() < body_m);
     }
     crossing >= 2
-}
-
-fn is_wall(floor: &Floor, hit: Point) -> bool {
-    floor.map().is_some_and(|map| !map.disc_is_free(hit, WALL_SLACK_M))
 }
 
 /// The drivable cells that an obstacle with these surface points makes unusable for a body, and those at whose
@@ -271,6 +280,8 @@ mod tests {
     use super::*;
     use terrain::{Cell, GridMap};
 
+    const UNKNOWN: [bool; 48] = [false; 48];
+
     fn floor() -> Floor {
         let map = GridMap::from_drawing(&"..........\n".repeat(6), 0.5).unwrap();
         Floor::new(&map, 0.5, 0.177, 0.75).unwrap()
@@ -296,9 +307,16 @@ mod tests {
         let mut zones = Zones::new(floor.lattice().len());
         zones.add(ZoneType::ZoneBlocked, [index], "r1", Timestamp::ZERO, Timestamp::ZERO).unwrap();
         let blocked_ahead = scan(|beam| if (20..=28).contains(&beam) { 0.8 } else { 3.0 });
-        assert!(zones.clear_by_scan(Timestamp::ZERO, &floor, &pose(1.25, 1.25), &blocked_ahead).is_empty());
+        assert!(
+            zones
+                .clear_by_scan(Timestamp::ZERO, &floor, &pose(1.25, 1.25), &blocked_ahead, &UNKNOWN)
+                .is_empty()
+        );
         assert!(zones.holds(index));
-        assert_eq!(zones.clear_by_scan(Timestamp::ZERO, &floor, &pose(1.25, 1.25), &scan(|_| 3.0)), [index]);
+        assert_eq!(
+            zones.clear_by_scan(Timestamp::ZERO, &floor, &pose(1.25, 1.25), &scan(|_| 3.0), &UNKNOWN),
+            [index]
+        );
         assert!(!zones.holds(index) && zones.iter().next().is_none());
     }
 
@@ -308,7 +326,11 @@ mod tests {
         let index = floor.lattice().index(Cell::new(8, 2)).unwrap();
         let mut zones = Zones::new(floor.lattice().len());
         zones.add(ZoneType::ZoneBlocked, [index], "r1", Timestamp::ZERO, Timestamp::ZERO).unwrap();
-        assert!(zones.clear_by_scan(Timestamp::ZERO, &floor, &pose(1.75, 1.25), &scan(|_| 3.0)).is_empty());
+        assert!(
+            zones
+                .clear_by_scan(Timestamp::ZERO, &floor, &pose(1.75, 1.25), &scan(|_| 3.0), &UNKNOWN)
+                .is_empty()
+        );
     }
 
     #[test]
@@ -318,8 +340,12 @@ mod tests {
         let mut zones = Zones::new(floor.lattice().len());
         let later = Timestamp::from_secs_f64(3.0);
         zones.add(ZoneType::ZoneQuarantine, [index], "r2", Timestamp::ZERO, later).unwrap();
-        assert!(zones.clear_by_scan(Timestamp::ZERO, &floor, &pose(1.25, 1.25), &scan(|_| 3.0)).is_empty());
-        assert_eq!(zones.clear_by_scan(later, &floor, &pose(1.25, 1.25), &scan(|_| 3.0)), [index]);
+        assert!(
+            zones
+                .clear_by_scan(Timestamp::ZERO, &floor, &pose(1.25, 1.25), &scan(|_| 3.0), &UNKNOWN)
+                .is_empty()
+        );
+        assert_eq!(zones.clear_by_scan(later, &floor, &pose(1.25, 1.25), &scan(|_| 3.0), &UNKNOWN), [index]);
     }
 
     #[test]

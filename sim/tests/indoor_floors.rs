@@ -3,6 +3,7 @@
 
 use protocol::v1::MissionState;
 use sim::{Options, Rehearsal, Scenario};
+use std::fmt::Write;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -19,7 +20,8 @@ fn scenario(map: &str, robot: [f64; 3], stations: [(f64, f64); 2]) -> Option<Sce
          speed_m_per_s = {speed_m_per_s}\nangular_speed_rad_per_s = 1.0\n"
     );
     for (number, (x_m, y_m)) in stations.into_iter().enumerate() {
-        text += &format!("[[robots]]\nid = \"r{}\"\nx_m = {x_m}\ny_m = {y_m}\n", number + 1);
+        write!(text, "[[robots]]\nid = \"r{}\"\nx_m = {x_m}\ny_m = {y_m}\n", number + 1)
+            .expect("a String takes all");
     }
     Some(Scenario::parse(&text, &folder.join("mine.toml")).unwrap_or_else(|error| panic!("{error}")))
 }
