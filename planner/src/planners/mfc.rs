@@ -6,18 +6,18 @@
 //! 2 B and a lighter leftover at the root (`mfc/splitting.rs`), and match each subtree to a robot whose leftover is at
 //! most B away (`mfc/matching.rs`). Bisect on B. Each robot drives around leftover, subtree and the path between them.
 //! **Guarantee.** The heaviest tree weighs at most four times the lightest possible, so the time in moves is at most eight times
-//! the best one plus a constant (theorem 3); 5 % more as bounds are bisected here (`CLOSE` in `mfc/cover.rs`). Never worse than `stc` (theorem 2).
+//! the best one plus a constant (theorem 3). Never worse than `stc` (theorem 2).
 //! **Complexity.** O(log(n w)) bounds, each O(n log n) for the trees and O(k n log n) for distances within B, and a matching of at
 //! most k subtrees per probe of the second improvement.
 //! **Paper.** X. Zheng, S. Jain, S. Koenig, D. Kempe: Multi-robot forest coverage. IEEE/RSJ International Conference on Intelligent
 //! Robots and Systems (IROS), 2005; the cover is by G. Even, N. Garg, J. Könemann, R. Ravi, A. Sinha: Min-max tree covers of
 //! graphs. Operations Research Letters 32(4), 2004.
 //! **Departures.** Both improvements are there: of all covers found during the bisection the best one counts, by the
-//! time of the walks, turns included; and B′, the largest total weight that the matching may make, is as small as can
-//! be. Bounds closer than a twentieth of an even share are not told apart. Blocks may be partly open, weights count. The
-//! paper leaves open how ties between equal edges are broken, and Even and others which subtree is split off first. Two
-//! trees are tried: breadth first, split late; and depth first by chance, split early. Where one robot alone, as by
-//! `stc`, takes less time, that is the answer: with turns, delays and ragged blocks theorem 2 does not hold by itself.
+//! time of the walks, turns included; and B′, the largest total weight that the matching may make, is as small as can be. Blocks may be
+//! partly open, weights count. The paper does not say how ties
+//! between equal edges are broken; several minimum spanning trees are tried, breadth first and by chance. Where one robot
+//! alone, as by `stc`, takes less time, that is the answer: with turns, delays and ragged blocks theorem 2 does not hold by
+//! itself.
 
 mod cover;
 mod matching;

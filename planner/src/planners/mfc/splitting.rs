@@ -85,7 +85,12 @@ pub(super) fn split_late(root: Block, edges: &[Edge], bound: f64) -> (Piece, Vec
 }
 
 /// Splits subtrees off below a block until less than 2 × `bound` hangs from it; returns that.
-fn lighten(block: Block, mut branches: Vec<(Edge, Piece)>, bound: f64, subtrees: &mut Vec<Piece>) -> Piece {
+fn lighten(
+    block: Block,
+    mut branches: Vec<(Edge, Piece)>,
+    bound: f64,
+    subtrees: &mut Vec<Piece>,
+) -> Piece {
     let weight = |branch: &(Edge, Piece)| branch.0.weight + branch.1.weight;
     while branches.iter().map(weight).sum::<f64>() >= 2.0 * bound {
         if let Some(heavy) = branches.iter().position(|(_, piece)| piece.weight >= bound) {
