@@ -3,35 +3,31 @@
 use super::{
     matching::{Offer, assign},
     reach::Reach,
-    splitting::{Piece, split_early, split_late},
+    splitting::{Piece, split},
 };
 use crate::{
     Instance,
     block_trees::{Block, Blocks, Forest, Pricing},
 };
-use rand::{SeedableRng as _, seq::SliceRandom as _};
+use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use smallvec::SmallVec;
 use std::{
     cmp::Reverse,
     collections::{BTreeMap, BinaryHeap, VecDeque},
 };
 
-/// How equal edges are ordered, and with it the shape of the trees and how they are split.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Growth {
-    /// Short bushy trees; split late, into few large pieces.
-    BreadthFirst,
-    /// Long winding trees, turns by chance; split early, into pieces hardly heavier than the bound.
-    DepthFirst,
+/// How equal edges are ordered: by chance, or breadth first with a little chance (in groups of so many).
+#[derive(Debug, Clone, Copy)]
+enum Ties {
+    ByChance,
+    BreadthFirst(u64),
 }
 
-/// The spanning trees tried for one unit of effort.
-const GROWTHS: [Growth; 2] = [Growth::BreadthFirst, Growth::DepthFirst];
-/// Beyond so many blocks one spanning tree has to do.
+/// Beyond so many blocks one spanning tree has to do, and fewer bounds.
 const LARGE: usize = 20_000;
-/// Bounds are bisected until they are this close, as a share of an even share of the work.
-const CLOSE: f64 = 0.05;
+/// The spanning trees tried for one unit of effort.
+const TREES: [Ties; 5] =
+    [Ties::BreadthFirst(1), Ties::BreadthFirst(16), Ties::BreadthFirst(16), Ties::ByChance, Ties::ByChance];
 
 /// An edge of a tree, from the root away.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -68,29 +64,28 @@ impl<'a> Search<'a> {
     /// The cover whose slowest walk takes the least time, of all that the bisections on the bound find.
     pub(super) fn best_cover(&self, effort: u32, seed: u64) -> Forest {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let growths = if self.blocks.len() > LARGE { &GROWTHS[..1] } else { &GROWTHS[..] };
-        let tries = (0..effort.max(1)).flat_map(|round| growths.iter().map(move |&growth| (round, growth)));
-        let covers = tries.map(|(round, growth)| {
-            let by_chance = round > 0 || growth == Growth::DepthFirst;
-            let trees = self.spanning_trees(growth, by_chance.then_some(&mut rng));
-            self.best_cover_of(&trees, growth)
-        });
+        let trees = if self.blocks.len() > LARGE { &TREES[..1] } else { &TREES[..] };
+        let tries = (0..effort.max(1)).flat_map(|_| trees.iter().copied());
+        let covers = tries.map(|ties| self.best_cover_of(&self.spanning_trees(ties, &mut rng)));
         let best = covers.min_by(|a, b| a.makespan_s().total_cmp(&b.makespan_s()));
         best.expect("at least one tree is tried")
     }
 
-    fn best_cover_of(&self, trees: &[Vec<Edge>], growth: Growth) -> Forest {
-        let weights = || trees.iter().flatten().map(|edge| edge.weight);
-        let (all, heaviest) = weights().fold((0.0, 0.0), |(all, most): (f64, f64), w| (all + w, most.max(w)));
-        let lightest = weights().filter(|&weight| weight > 0.0).fold(all, f64::min);
-        let close = (lightest.max(1e-6 * all) / 2.0).max(CLOSE * all / self.roots.len() as f64);
+    fn best_cover_of(&self, trees: &[Vec<Edge>]) -> Forest {
+        let weights = trees.iter().flatten().map(|edge| edge.weight);
+        let (all, heaviest) = weights.fold((0.0, 0.0), |(all, most): (f64, f64), w| (all + w, most.max(w)));
         // With this bound everything is left over at the roots.
+        let mut best = self.cover(trees, 2.0 * all + 1.0).expect("leftovers need no match");
         let (mut low, mut high) = (heaviest.min(all), 2.0 * all + 1.0);
-        let mut best = self.cover(trees, growth, high).expect("leftovers need no match");
-        // Without weight there is nothing to share.
-        while all > 0.0 && high - low > close {
+        let lightest =
+            trees.iter().flatten().map(|edge| edge.weight).filter(|&w| w > 0.0).fold(all, f64::min);
+        // Closer bounds than half an edge seldom split otherwise.
+        let close = lightest.max(1e-6 * all) / 2.0;
+        let close =
+            if self.blocks.len() > LARGE { close.max(1e-3 * all / self.roots.len() as f64) } else { close };
+        while high - low > close {
             let bound = f64::midpoint(low, high);
-            match self.cover(trees, growth, bound) {
+            match self.cover(trees, bound) {
                 Some(found) => {
                     high = bound;
                     if found.makespan_s() < best.makespan_s() {
@@ -112,21 +107,19 @@ impl<'a> Search<'a> {
         (joined_s - apart_s).max(0.0)
     }
 
-    /// A minimum spanning forest with all roots taken as one (Prim), edges in the order in which they were found.
-    /// Branches in which nothing is needed are left out.
-    fn spanning_trees(&self, growth: Growth, mut rng: Option<&mut ChaCha8Rng>) -> Vec<Vec<Edge>> {
+    /// A minimum spanning forest with all roots taken as one (Prim), edges in the order in which they were found. Branches in which nothing is needed are left out.
+    fn spanning_trees(&self, ties: Ties, rng: &mut ChaCha8Rng) -> Vec<Vec<Edge>> {
         let mut tree_of: Vec<Option<usize>> = vec![None; self.blocks.len()];
         let mut heap = BinaryHeap::new();
         let mut seen = 0_u64;
         let mut trees: Vec<Vec<Edge>> = vec![Vec::new(); self.roots.len()];
         let mut look = |heap: &mut BinaryHeap<_>, from: Block, tree: usize| {
-            let mut joints: SmallVec<[u8; 8]> = (0..self.blocks.joints[from as usize].len() as u8).collect();
-            if let Some(rng) = &mut rng {
-                joints.shuffle(rng);
-            }
-            for joint in joints {
+            for joint in 0..self.blocks.joints[from as usize].len() as u8 {
                 seen += 1;
-                let order = if growth == Growth::BreadthFirst { seen } else { u64::MAX - seen };
+                let order = match ties {
+                    Ties::ByChance => rng.random::<u64>(),
+                    Ties::BreadthFirst(group) => (seen / group) << 32 | u64::from(rng.random::<u32>()),
+                };
                 heap.push(Reverse((self.weight(from, joint).to_bits(), order, from, joint, tree)));
             }
         };
@@ -162,8 +155,7 @@ impl<'a> Search<'a> {
     }
 
     /// Steps 3 to 5 for one bound; `None` when some subtree finds no robot.
-    fn cover(&self, trees: &[Vec<Edge>], growth: Growth, bound: f64) -> Option<Forest> {
-        let split = if growth == Growth::BreadthFirst { split_late } else { split_early };
+    fn cover(&self, trees: &[Vec<Edge>], bound: f64) -> Option<Forest> {
         let (leftovers, subtrees): (Vec<Piece>, Vec<Vec<Piece>>) =
             trees.iter().zip(self.roots).map(|(edges, &root)| split(root, edges, bound)).unzip();
         let subtrees: Vec<Piece> = subtrees.into_iter().flatten().collect();
