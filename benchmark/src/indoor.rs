@@ -47,7 +47,18 @@ pub(crate) fn run(options: &Options, progress: Progress<'_>) -> Result<Vec<Table
          + all turning at 1 rad/s. Judged by one evaluator that knows no planner; rows of other programs and of the \
          reference were judged by the same rules before (`reference.csv`). Ours twice: at the coverage of the reference, and \
          with what is left toured as well.",
-        &["map", "planner", "length m", "÷ bound", "turns", "coverage", "overlap", "time s", "÷ reference", "CPU s"],
+        &[
+            "map",
+            "planner",
+            "length m",
+            "÷ bound",
+            "turns",
+            "coverage",
+            "overlap",
+            "time s",
+            "÷ reference",
+            "CPU s",
+        ],
     );
     let maps = if options.quick { &MAPS[..1] } else { &MAPS[..] };
     for &map in maps {
@@ -55,7 +66,8 @@ pub(crate) fn run(options: &Options, progress: Progress<'_>) -> Result<Vec<Table
         let of_map = || references.iter().filter(|row| row.map == map);
         let target = of_map().find(|row| row.planner == TARGET);
         for row in of_map() {
-            let head = [map.to_owned(), row.planner.clone(), row.length_m.clone(), row.length_over_bound.clone()];
+            let head =
+                [map.to_owned(), row.planner.clone(), row.length_m.clone(), row.length_over_bound.clone()];
             let tail = [row.turns.clone(), row.coverage_of_coverable.clone(), row.overlap.clone()];
             let end = [row.time_s.clone(), String::new(), row.user_cpu_s.clone()];
             table.push([&head[..], &tail, &end].concat());
@@ -67,7 +79,13 @@ pub(crate) fn run(options: &Options, progress: Progress<'_>) -> Result<Vec<Table
                 progress(&format!("{map}: {planner}{what}"));
                 let name = format!("{planner}{what}");
                 let row = measure(&floor_plan, planner, coverage, options.effort);
-                table.push(row_of(map, &name, &floor_plan, target_s, row.map_err(|error| content(&path, error.to_string()))?));
+                table.push(row_of(
+                    map,
+                    &name,
+                    &floor_plan,
+                    target_s,
+                    row.map_err(|error| content(&path, error.to_string()))?,
+                ));
             }
         }
     }

@@ -167,7 +167,9 @@ impl<'a> Evaluator<'a> {
 
     /// The points between two points on the shortest feasible way over pixels, pulled tight; none where there is no way.
     fn shortest_way(&self, from: Point, to: Point) -> Vec<Point> {
-        let (Some(source), Some(target)) = (self.pixel_near(from), self.pixel_near(to)) else { return Vec::new() };
+        let (Some(source), Some(target)) = (self.pixel_near(from), self.pixel_near(to)) else {
+            return Vec::new();
+        };
         let columns = self.map.columns() as i64;
         let mut best = vec![u32::MAX; self.feasible.len()];
         let mut before = vec![usize::MAX; self.feasible.len()];
@@ -225,9 +227,8 @@ fn pixels(map: &GridMap) -> impl Iterator<Item = (i64, i64)> + use<> {
 /// Marks all within `radius` pixels of a mark, between centres; `outside` is what lies around the map.
 fn grown(marks: &[bool], [columns, rows]: [usize; 2], radius: f64, outside: bool) -> Vec<bool> {
     let reach = radius.floor() as i64;
-    let disc: Vec<(i64, i64)> = (-reach..=reach)
-        .map(|dy| (dy, (radius * radius - (dy * dy) as f64).sqrt().floor() as i64))
-        .collect();
+    let disc: Vec<(i64, i64)> =
+        (-reach..=reach).map(|dy| (dy, (radius * radius - (dy * dy) as f64).sqrt().floor() as i64)).collect();
     let mut grown = vec![false; marks.len()];
     let mut mark_around = |x: i64, y: i64| {
         for &(dy, half) in &disc {
@@ -351,7 +352,8 @@ mod tests {
         assert!((judged.length_m - 3.7).abs() < 1e-9);
         assert_eq!((judged.turns, judged.detours), (1, 0));
         assert!((judged.time_s - (7.4 + std::f64::consts::FRAC_PI_2)).abs() < 1e-9);
-        let swept_m2 = 3.7 * 0.4 + 0.25 * std::f64::consts::PI * 0.16 + 0.2 * 0.2 * (1.0 - std::f64::consts::FRAC_PI_4);
+        let swept_m2 =
+            3.7 * 0.4 + 0.25 * std::f64::consts::PI * 0.16 + 0.2 * 0.2 * (1.0 - std::f64::consts::FRAC_PI_4);
         let covered_m2 = judged.coverage * evaluator.coverable_m2();
         assert!((covered_m2 / swept_m2 - 1.0).abs() < 0.02, "{covered_m2} {swept_m2}");
     }

@@ -34,6 +34,8 @@ use terrain::Point;
 const SHIFTS: [f64; 3] = [0.0, 1.0 / 3.0, 2.0 / 3.0];
 /// More is swept than asked for by this share, so that rims do not decide.
 const COVERAGE_MARGIN: f64 = 0.0005;
+/// Steps of the local search for each lane.
+const STEPS: u64 = 15;
 /// How often what is left is looked for.
 const ROUNDS: usize = 8;
 
@@ -113,7 +115,7 @@ fn tour(
     let start: Point = instance.place(&instance.starts[robot]);
     let returns = instance.mode == Mode::CoverAndReturn;
     let mut tour = LaneTour::new(transfers, start, lanes, returns);
-    tour.improve(u64::from(effort) * 40 * lanes.len() as u64, random);
+    tour.improve(u64::from(effort) * STEPS * lanes.len() as u64, random);
     let entries = tour.entries();
     let mut stops = Vec::with_capacity(entries.len());
     for pair in entries.windows(2) {
