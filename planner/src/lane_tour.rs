@@ -65,11 +65,12 @@ pub(crate) struct LaneTour<'t, 's, 'a> {
 }
 
 impl<'t, 's, 'a> LaneTour<'t, 's, 'a> {
-    /// Over lanes that can all be reached from `start`; nearest lane first.
+    /// Over lanes that can all be reached from `start`; in the order given, or the nearest lane first.
     pub(crate) fn new(
         transfers: &'t mut Transfers<'s, 'a>,
         start: Point,
         lanes: &[Lane],
+        in_order: bool,
         returns: bool,
     ) -> Self {
         let mut ends = vec![start, start];
@@ -91,7 +92,11 @@ impl<'t, 's, 'a> LaneTour<'t, 's, 'a> {
             returns,
         };
         tour.find_near_ends();
-        tour.order = tour.nearest_first();
+        tour.order = if in_order {
+            (0..=lanes.len() as u32).map(|lane| 2 * lane).collect()
+        } else {
+            tour.nearest_first()
+        };
         tour.number_from(0, tour.order.len());
         tour
     }
