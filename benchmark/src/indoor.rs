@@ -1,5 +1,6 @@
 //! Floor plans: planners judged as the programs of others were on the same maps.
 
+pub(crate) mod charging;
 mod evaluator;
 mod floor_plan;
 mod stations;

@@ -71,6 +71,11 @@ pub const BENCHMARKS: &[Benchmark] = &[
         run: grid::run,
     },
     Benchmark {
+        name: "charging",
+        about: "batteries, chargers and four robots on floor plans",
+        run: indoor::charging::run,
+    },
+    Benchmark {
         name: "indoor",
         about: "floor plans as in Fig. 5 of the boustrophedon paper, and B1 of the notes",
         run: indoor::run,

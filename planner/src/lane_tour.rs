@@ -25,7 +25,9 @@ const NEAR: usize = 10;
 /// How many lanes are moved together, at most.
 const MOVED: usize = 3;
 /// Longest piece that a double bridge moves.
-const BRIDGE: usize = 50;
+const BRIDGE: usize = 12;
+/// Exchanges that cost more than this at once are not tried, seconds.
+const BRIDGE_S: f64 = 25.0;
 /// What counts as better, seconds.
 const BETTER_S: f64 = 1e-7;
 
@@ -63,11 +65,12 @@ pub(crate) struct LaneTour<'t, 's, 'a> {
 }
 
 impl<'t, 's, 'a> LaneTour<'t, 's, 'a> {
-    /// Over lanes that can all be reached from `start`; nearest lane first.
+    /// Over lanes that can all be reached from `start`; in the order given, or the nearest lane first.
     pub(crate) fn new(
         transfers: &'t mut Transfers<'s, 'a>,
         start: Point,
         lanes: &[Lane],
+        in_order: bool,
         returns: bool,
     ) -> Self {
         let mut ends = vec![start, start];
@@ -89,7 +92,11 @@ impl<'t, 's, 'a> LaneTour<'t, 's, 'a> {
             returns,
         };
         tour.find_near_ends();
-        tour.order = tour.nearest_first();
+        tour.order = if in_order {
+            (0..=lanes.len() as u32).map(|lane| 2 * lane).collect()
+        } else {
+            tour.nearest_first()
+        };
         tour.number_from(0, tour.order.len());
         tour
     }
@@ -258,7 +265,7 @@ impl<'t, 's, 'a> LaneTour<'t, 's, 'a> {
         }
         let mut kept = (self.order.clone(), self.at.clone());
         for _ in 0..steps {
-            let (changed_s, touched) = self.bridge(random);
+            let Some((changed_s, touched)) = self.bridge(random) else { continue };
             let gained_s = self.settle(touched);
             if gained_s - changed_s < -BETTER_S {
                 self.order.copy_from_slice(&kept.0);
@@ -271,7 +278,7 @@ impl<'t, 's, 'a> LaneTour<'t, 's, 'a> {
     }
 
     /// Exchanges two neighbouring pieces; what that costs, and the lanes at the joins.
-    fn bridge(&mut self, random: &mut ChaCha8Rng) -> (f64, Vec<u32>) {
+    fn bridge(&mut self, random: &mut ChaCha8Rng) -> Option<(f64, Vec<u32>)> {
         let lanes = self.order.len();
         let longest = BRIDGE.min((lanes - 2) / 2);
         let (one, other) = (random.random_range(1..=longest), random.random_range(1..=longest));
@@ -279,12 +286,18 @@ impl<'t, 's, 'a> LaneTour<'t, 's, 'a> {
         let (middle, last) = (first + one, first + one + other);
         let joins = [(first, first + 1), (middle, middle + 1), (last, last + 1)];
         let before_s: f64 = joins.iter().map(|&(a, b)| self.price(self.exit(a), self.entry(b))).sum();
+        let new = [(first, middle + 1), (last, first + 1), (middle, last + 1)];
+        let at_least_s: f64 =
+            new.iter().map(|&(a, b)| self.price_at_least(self.exit(a), self.entry(b))).sum();
+        if at_least_s > before_s + BRIDGE_S {
+            return None;
+        }
         self.order[first + 1..=last].rotate_left(one);
         self.number_from(first + 1, last + 1);
         let joins = [(first, first + 1), (first + other, first + other + 1), (last, last + 1)];
         let after_s: f64 = joins.iter().map(|&(a, b)| self.price(self.exit(a), self.entry(b))).sum();
         let touched = joins.iter().flat_map(|&(a, b)| [a, b]).map(|at| self.entry(at) as u32 / 2).collect();
-        (after_s - before_s, touched)
+        Some((after_s - before_s, touched))
     }
 
     /// Looks at lanes until none of them can be improved; what that gains.

@@ -7,7 +7,8 @@
 //!
 //! With x = 1 for along, these are the terms x (1 − x_left) and (1 − x) x_up: submodular, so the labelling with the fewest
 //! lanes is a minimum cut, and its capacity is the number of lanes: a certificate that no labelling of this lattice has
-//! fewer. Squares are neighbours where the body gets from one to the other. O(E √V) for V squares and at most 2 V edges.
+//! fewer. Squares are neighbours where
+//! wanted ground goes on from one to the other. O(E √V) for V squares and at most 2 V edges.
 
 use crate::{configuration_space::ConfigurationSpace, ground::Ground, maximum_flow::Network};
 use terrain::{Point, Vector};
@@ -86,11 +87,11 @@ impl ToolLattice {
             is_in: Vec::new(),
             joined: vec![[false; 2]; columns * rows],
         };
-        lattice.mark(space, &wanted);
+        lattice.mark(space, ground, &wanted);
         lattice
     }
 
-    fn mark(&mut self, space: &ConfigurationSpace<'_>, wanted: &[usize]) {
+    fn mark(&mut self, space: &ConfigurationSpace<'_>, ground: &Ground, wanted: &[usize]) {
         let mut samples = vec![0_u32; self.columns * self.rows];
         for &place in wanted {
             if let Some(square) = self.square_at(space.point(place)) {
@@ -99,16 +100,18 @@ impl ToolLattice {
         }
         let whole = (self.side_m / space.places().cell_m).powi(2);
         self.is_in = samples.iter().map(|&count| f64::from(count) >= (SHARE_MIN * whole).max(1.0)).collect();
-        for place in (0..space.places().len()).filter(|&place| space.is_reached(place)) {
-            self.join_at(space, place);
+        for &place in wanted {
+            self.join_at(space, ground, place);
         }
     }
 
-    /// Joins neighbouring squares where a reached place has an open step from one to the other.
-    fn join_at(&mut self, space: &ConfigurationSpace<'_>, place: usize) {
+    /// Joins neighbouring squares where wanted ground goes on from one to the other.
+    fn join_at(&mut self, space: &ConfigurationSpace<'_>, ground: &Ground, place: usize) {
         let Some(one) = self.square_at(space.point(place)) else { return };
-        for (step, beyond) in space.steps(place) {
-            if !step.is_multiple_of(2) {
+        let columns = space.places().columns as usize;
+        let around = [place + 1, place + columns, place.wrapping_sub(1), place.wrapping_sub(columns)];
+        for beyond in around.into_iter().filter(|&beyond| beyond < space.places().len()) {
+            if !ground.is_left(beyond) {
                 continue;
             }
             match self.square_at(space.point(beyond)) {

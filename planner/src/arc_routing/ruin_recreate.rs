@@ -56,7 +56,9 @@ impl<'l, 'a> Search<'l, 'a> {
         let objective_s = power_mean_s(&time_s);
         let mut driver = vec![None; links.stretches()];
         for (robot, route) in routes.iter().enumerate() {
-            route.iter().for_each(|&end| driver[end as usize / 2] = Some(robot as u16));
+            for &end in route {
+                driver[end as usize / 2] = Some(robot as u16);
+            }
         }
         let now = State { routes, driver, time_s, objective_s };
         Self { links, burden, rng: ChaCha8Rng::seed_from_u64(seed), best: now.clone(), now }

@@ -92,7 +92,8 @@ impl Tour {
     }
 
     /// Time of the tour with these breaks, seconds.
-    pub(crate) fn total_s(&self, breaks: &[Break]) -> f64 {
+    #[cfg(test)]
+    fn total_s(&self, breaks: &[Break]) -> f64 {
         let detour_s = |at: &Break| {
             let (place, ways) = (&self.places[at.place], self.ways(*at));
             let saved_s = self.goes_on_s(at.place) - place.at_s;

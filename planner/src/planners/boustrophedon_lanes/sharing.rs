@@ -47,8 +47,8 @@ pub(super) fn share(
     routing.improve();
     let plain = sweeping.routes_that_sweep_all(&mut routing)?;
     let routes = match &instance.battery {
-        Some(_) => shared_with_charges(sweeping, &mut routing, robots, plain)?,
-        None => plain,
+        Some(_) if robots.len() > 1 => shared_with_charges(sweeping, &mut routing, robots, plain)?,
+        _ => plain,
     };
     routes.iter().for_each(|route| sweeping.ground.sweep(&route.points));
     robots.iter().zip(routes).for_each(|(&robot, route)| plan.routes[robot] = route);
