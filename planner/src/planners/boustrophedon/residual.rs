@@ -14,9 +14,21 @@ const CANDIDATES: usize = 4;
 /// Adds side trips to routes until they sweep `share` of what is to be swept. Routes have at least one point each.
 pub(super) fn sweep_the_rest(transfers: &mut Transfers<'_, '_>, routes: &mut [Route], share: f64) {
     let instance = transfers.space().instance();
-    for stop in stops(instance, routes, share) {
-        side_trip(transfers, routes, instance.center(stop));
+    // A bump may leave a little out that the straight line swept; out and back never does.
+    for trips in [&[Trip::Bump, Trip::OutAndBack][..], &[Trip::Bump, Trip::OutAndBack], &[Trip::OutAndBack]] {
+        for stop in stops(instance, routes, share) {
+            side_trip(transfers, routes, instance.center(stop), trips);
+        }
     }
+}
+
+/// How a route gets to a place beside it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Trip {
+    /// Leaves its line some way before, and comes back to it some way after.
+    Bump,
+    /// Goes there from where it is nearest, and back.
+    OutAndBack,
 }
 
 /// Cells from whose centres the rest is swept.
@@ -146,24 +158,58 @@ struct Branch {
     distance_m: f64,
 }
 
-/// Leads the nearest route to a place and back.
-fn side_trip(transfers: &mut Transfers<'_, '_>, routes: &mut [Route], stop: Point) {
-    let ways = branches(routes, stop).into_iter().filter_map(|branch| {
-        let way = transfers.way(branch.place, stop)?;
-        Some((branch, way))
-    });
-    let best = ways.min_by(|a, b| a.1.length_m.total_cmp(&b.1.length_m));
-    let Some((branch, way)) = best else { return };
-    let points = &mut routes[branch.robot].points;
-    let ends_here = branch.at + 1 == points.len();
-    let mut trip = vec![branch.place];
-    trip.extend(&way.points);
-    if !(ends_here && transfers.space().instance().mode == Mode::Cover) {
-        trip.extend(way.points.iter().rev().skip(1));
+/// Leads the route that loses least time to a place beside it.
+fn side_trip(transfers: &mut Transfers<'_, '_>, routes: &mut [Route], stop: Point, trips: &[Trip]) {
+    let mut best: Option<(f64, Branch, Vec<Point>)> = None;
+    for branch in branches(routes, stop) {
+        for &trip in trips {
+            let points = &routes[branch.robot].points;
+            let Some(made) = detour(transfers, points, branch, stop, trip) else { continue };
+            let added_s = added_s(transfers.space().instance(), points, branch.at, &made);
+            if best.as_ref().is_none_or(|(least_s, ..)| added_s < *least_s) {
+                best = Some((added_s, branch, made));
+            }
+        }
     }
-    trip.dedup();
-    points.splice(branch.at + 1..branch.at + 1, trip);
+    let Some((_, branch, made)) = best else { return };
+    let points = &mut routes[branch.robot].points;
+    points.splice(branch.at + 1..branch.at + 1, made);
     points.dedup_by(|a, b| (*a - *b).norm() < 1e-9);
+}
+
+/// The points of a trip, between point `branch.at` and the next one.
+fn detour(
+    transfers: &mut Transfers<'_, '_>,
+    points: &[Point],
+    branch: Branch,
+    stop: Point,
+    trip: Trip,
+) -> Option<Vec<Point>> {
+    let instance = transfers.space().instance();
+    let Some(&next) = points.get(branch.at + 1) else {
+        let mut way = transfers.way(branch.place, stop)?.points;
+        if instance.mode == Mode::CoverAndReturn {
+            way.extend(way.clone().into_iter().rev().skip(1));
+        }
+        return Some(way);
+    };
+    let aside_m = if trip == Trip::Bump { instance.floor.tool_width_m() } else { 0.0 };
+    let beside = |end: Point| {
+        let way = end - branch.place;
+        if way.norm() <= aside_m { end } else { branch.place + way * (aside_m / way.norm()) }
+    };
+    let (before, after) = (beside(points[branch.at]), beside(next));
+    let mut made = transfers.way(before, stop)?.points;
+    made.extend(transfers.way(stop, after)?.points);
+    Some(made)
+}
+
+/// Time that a route loses by what is put in after point `at`, seconds.
+fn added_s(instance: &Instance<'_>, points: &[Point], at: usize, made: &[Point]) -> f64 {
+    let before = &points[at.saturating_sub(1)..=at];
+    let after = &points[at + 1..points.len().min(at + 3)];
+    let path_s = |between: &[Point]| instance.motion.path_s(&[before, between, after].concat(), None);
+    path_s(made) - path_s(&[])
 }
 
 /// Where routes come nearest to a place, in a straight line.
