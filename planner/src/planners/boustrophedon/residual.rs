@@ -4,7 +4,7 @@
 //! The places are centres of cells, the one from which most is gained first, until the share asked for is swept. From all of
 //! them together everything that can be asked for is swept, so this always gets there.
 
-use crate::{Instance, Mode, Route, transfers::Transfers};
+use crate::{Instance, Mode, Plan, Route, VerifyError, transfers::Transfers, verify};
 use std::collections::BinaryHeap;
 use terrain::{Cell, Lattice, Point, Segment, SweptRaster, samples_swept_from};
 
@@ -29,6 +29,25 @@ enum Trip {
     Bump,
     /// Goes there from where it is nearest, and back.
     OutAndBack,
+}
+
+/// Side trips to cells that are left out where a plan goes along the lattice all the way: there, cells are what counts.
+pub(super) fn visit_gaps(transfers: &mut Transfers<'_, '_>, plan: &mut Plan) {
+    let instance = transfers.space().instance();
+    while let Err(VerifyError::Gap(cell)) = verify(instance, plan) {
+        let points = |plan: &Plan| plan.routes.iter().map(|route| route.points.len()).sum::<usize>();
+        let before = points(plan);
+        for (route, start) in plan.routes.iter_mut().zip(&instance.starts) {
+            if route.points.is_empty() {
+                route.points.push(instance.place(start));
+            }
+        }
+        side_trip(transfers, &mut plan.routes, instance.center(cell), &[Trip::OutAndBack]);
+        plan.routes.iter_mut().filter(|route| route.points.len() < 2).for_each(|route| route.points.clear());
+        if points(plan) == before {
+            return;
+        }
+    }
 }
 
 /// Cells from whose centres the rest is swept.
@@ -161,10 +180,15 @@ struct Branch {
 /// Leads the route that loses least time to a place beside it.
 fn side_trip(transfers: &mut Transfers<'_, '_>, routes: &mut [Route], stop: Point, trips: &[Trip]) {
     let mut best: Option<(f64, Branch, Vec<Point>)> = None;
+    let mut found = 0;
     for branch in branches(routes, stop) {
+        if found >= CANDIDATES {
+            break;
+        }
         for &trip in trips {
             let points = &routes[branch.robot].points;
-            let Some(made) = detour(transfers, points, branch, stop, trip) else { continue };
+            let Some(made) = detour(transfers, points, branch, stop, trip) else { break };
+            found += usize::from(trip == trips[0]);
             let added_s = added_s(transfers.space().instance(), points, branch.at, &made);
             if best.as_ref().is_none_or(|(least_s, ..)| added_s < *least_s) {
                 best = Some((added_s, branch, made));
@@ -212,17 +236,19 @@ fn added_s(instance: &Instance<'_>, points: &[Point], at: usize, made: &[Point])
     path_s(made) - path_s(&[])
 }
 
-/// Where routes come nearest to a place, in a straight line.
+/// Where each route comes nearest to a place, in a straight line; the nearest first.
 fn branches(routes: &[Route], stop: Point) -> Vec<Branch> {
     let mut found: Vec<Branch> = Vec::new();
     for (robot, route) in routes.iter().enumerate() {
-        for (at, &from) in route.points.iter().enumerate() {
+        let branch = |(at, &from): (usize, &Point)| {
             let to = route.points.get(at + 1).copied().unwrap_or(from);
             let place = Segment::new(from, to).nearest(stop);
-            found.push(Branch { robot, at, place, distance_m: (place - stop).norm() });
-        }
+            Branch { robot, at, place, distance_m: (place - stop).norm() }
+        };
+        let mut of_route: Vec<Branch> = route.points.iter().enumerate().map(branch).collect();
+        of_route.sort_by(|a, b| a.distance_m.total_cmp(&b.distance_m));
+        found.extend(of_route.into_iter().take(CANDIDATES));
     }
     found.sort_by(|a, b| a.distance_m.total_cmp(&b.distance_m));
-    found.truncate(CANDIDATES);
     found
 }
