@@ -75,6 +75,17 @@ impl Ground {
         });
     }
 
+    /// Takes a sweep along these very points back.
+    #[allow(dead_code, reason = "for planners that change a tour step by step")]
+    pub(crate) fn unsweep(&mut self, points: &[Point]) {
+        self.each_sample_of(points, |ground, place| {
+            ground.swept[place] = ground.swept[place].saturating_sub(1);
+            if ground.swept[place] == 0 && ground.wanted[place] {
+                ground.left_count += 1;
+            }
+        });
+    }
+
     fn each_sample_of(&mut self, points: &[Point], mut act: impl FnMut(&mut Self, usize)) {
         let (places, radius_m) = (self.places, self.radius_m);
         let only = points.first().map(|&point| Segment::new(point, point)).filter(|_| points.len() == 1);
