@@ -17,7 +17,7 @@ mod slices;
 
 use crate::Instance;
 use clearance::clearances_m;
-use terrain::{Cell, Direction, Lattice, Point, Segment};
+use terrain::{Cell, Direction, GridMap, Lattice, Point, Segment, Vector};
 
 /// Column and row difference of the eight steps, anticlockwise from east; `opposite = step ^ 4`.
 pub(crate) const STEPS: [(i32, i32); 8] =
@@ -102,6 +102,7 @@ impl<'a> ConfigurationSpace<'a> {
     }
 
     /// Row-major: the places that robots reach.
+    #[allow(dead_code, reason = "for planners with batteries")]
     pub(crate) fn reached(&self) -> &[bool] {
         &self.reached
     }
@@ -151,7 +152,7 @@ impl<'a> ConfigurationSpace<'a> {
                 continue;
             }
             let end_m = (way_m + piece_m).min(length_m);
-            if !map.capsule_is_free(Segment::new(at(way_m), at(end_m)), radius_m - TANGENT_M) {
+            if !piece_is_free(map, Segment::new(at(way_m), at(end_m)), radius_m - 0.5 * TANGENT_M) {
                 return false;
             }
             if end_m >= length_m {
@@ -194,8 +195,8 @@ impl<'a> ConfigurationSpace<'a> {
         let (columns, rows) = (self.places.columns as i32, self.places.rows as i32);
         for place in (0..self.places.len()).filter(|&place| free[place]) {
             let at = self.places.cell(place);
-            for step in 0..4 {
-                let to = Cell::new(at.x + STEPS[step].0, at.y + STEPS[step].1);
+            for (step, (dx, dy)) in STEPS.into_iter().enumerate().take(4) {
+                let to = Cell::new(at.x + dx, at.y + dy);
                 if to.x < 0 || to.x >= columns || to.y >= rows {
                     continue;
                 }
@@ -230,13 +231,11 @@ impl<'a> ConfigurationSpace<'a> {
             return true;
         }
         let (one, other) = (lattice.cell(one), lattice.cell(other));
-        match Direction::between(one, other) {
-            Some(way) => floor.map().is_some() || floor.can_move(one, way),
-            None => {
-                let sides = [Cell::new(one.x, other.y), Cell::new(other.x, one.y)];
-                floor.map().is_some() && sides.iter().all(|&cell| self.cell_is_open(cell))
-            }
+        if let Some(way) = Direction::between(one, other) {
+            return floor.map().is_some() || floor.can_move(one, way);
         }
+        let sides = [Cell::new(one.x, other.y), Cell::new(other.x, one.y)];
+        floor.map().is_some() && sides.iter().all(|&cell| self.cell_is_open(cell))
     }
 
     fn cell_is_open(&self, cell: Cell) -> bool {
@@ -329,6 +328,38 @@ impl<'a> ConfigurationSpace<'a> {
     }
 }
 
+/// As [`GridMap::capsule_is_free`], for short segments: squares that the middle of the segment tells enough about are not
+/// looked at closely.
+fn piece_is_free(map: &GridMap, segment: Segment, radius_m: f64) -> bool {
+    let square_m = map.resolution_m();
+    let middle = nalgebra::center(&segment.from, &segment.to) - map.origin();
+    let far_m = radius_m + segment.length() / 2.0;
+    let index = |metres: f64| (metres / square_m).floor() as i64;
+    for y in index(middle.y - far_m)..=index(middle.y + far_m) {
+        let low_m = y as f64 * square_m;
+        let aside_m = (low_m - middle.y).max(middle.y - low_m - square_m).max(0.0);
+        for x in index(middle.x - far_m)..=index(middle.x + far_m) {
+            if map.is_free(x, y) {
+                continue;
+            }
+            let left_m = x as f64 * square_m;
+            let along_m = (left_m - middle.x).max(middle.x - left_m - square_m).max(0.0);
+            let apart2 = aside_m * aside_m + along_m * along_m;
+            if apart2 >= far_m * far_m {
+                continue;
+            }
+            if apart2 < (radius_m - 1e-9).powi(2) {
+                return false;
+            }
+            let corner = map.origin() + Vector::new(left_m, low_m);
+            if slices::touches(corner, square_m, segment, radius_m) {
+                return false;
+            }
+        }
+    }
+    true
+}
+
 /// Begin and end (exclusive) of the runs of `true`.
 pub(crate) fn runs(marks: &[bool]) -> impl Iterator<Item = (usize, usize)> + '_ {
     let mut at = 0;
@@ -343,7 +374,7 @@ pub(crate) fn runs(marks: &[bool]) -> impl Iterator<Item = (usize, usize)> + '_ 
 /// The least odd number of places across a cell that is fine enough for the map and the tool.
 fn fineness(instance: &Instance<'_>) -> u32 {
     let lattice = instance.floor.lattice();
-    let map_m = instance.floor.map().map_or(f64::INFINITY, terrain::GridMap::resolution_m);
+    let map_m = instance.floor.map().map_or(f64::INFINITY, GridMap::resolution_m);
     let wanted_m = map_m.min(instance.floor.tool_width_m() / PLACES_ACROSS).max(1e-3);
     let affordable = ((PLACES_MAX as f64 / lattice.len() as f64).sqrt() as u32).max(1);
     let wanted = ((lattice.cell_m / wanted_m - 1e-6).ceil() as u32).clamp(1, affordable);

@@ -12,8 +12,7 @@
 //! **Guarantee.** Each lane is on the tour once at any time; it never gets worse. None on quality.
 //! **Complexity.** One bounded search per end for its near ends; others are searched for only when a bound on their price
 //! promises a gain. O(n) for a reversal.
-//! **Paper.** R. Bormann and others, of the atomic cells and their entries and exits: see the planners; 2-opt and Or-opt: see
-//! J. J. Bentley: Fast algorithms for geometric traveling salesman problems. ORSA Journal on Computing 4, 1992.
+//! **Paper.** 2-opt and Or-opt with near lists: J. J. Bentley: Fast algorithms for geometric traveling salesman problems. ORSA Journal on Computing 4, 1992.
 
 use crate::transfers::{Targets, Transfers, Way, heading_rad};
 use rand::RngExt as _;
@@ -25,7 +24,9 @@ const NEAR: usize = 10;
 /// How many lanes are moved together, at most.
 const MOVED: usize = 3;
 /// Longest piece that a double bridge moves.
-const BRIDGE: usize = 50;
+const BRIDGE: usize = 12;
+/// Exchanges that cost more than this at once are not tried, seconds.
+const BRIDGE_S: f64 = 25.0;
 /// What counts as better, seconds.
 const BETTER_S: f64 = 1e-7;
 
@@ -34,12 +35,6 @@ const BETTER_S: f64 = 1e-7;
 pub(crate) struct Lane {
     pub(crate) from: Point,
     pub(crate) to: Point,
-}
-
-impl Lane {
-    pub(crate) fn length_m(&self) -> f64 {
-        (self.to - self.from).norm()
-    }
 }
 
 /// Lanes with the prices between their ends. End `2 n` is the first of lane n, `2 n + 1` the other one; `end ^ 1` is
@@ -63,11 +58,12 @@ pub(crate) struct LaneTour<'t, 's, 'a> {
 }
 
 impl<'t, 's, 'a> LaneTour<'t, 's, 'a> {
-    /// Over lanes that can all be reached from `start`; nearest lane first.
+    /// Over lanes that can all be reached from `start`; in the order given, or the nearest lane first.
     pub(crate) fn new(
         transfers: &'t mut Transfers<'s, 'a>,
         start: Point,
         lanes: &[Lane],
+        in_order: bool,
         returns: bool,
     ) -> Self {
         let mut ends = vec![start, start];
@@ -89,7 +85,11 @@ impl<'t, 's, 'a> LaneTour<'t, 's, 'a> {
             returns,
         };
         tour.find_near_ends();
-        tour.order = tour.nearest_first();
+        tour.order = if in_order {
+            (0..=lanes.len() as u32).map(|lane| 2 * lane).collect()
+        } else {
+            tour.nearest_first()
+        };
         tour.number_from(0, tour.order.len());
         tour
     }
@@ -102,14 +102,11 @@ impl<'t, 's, 'a> LaneTour<'t, 's, 'a> {
         if entries[0] == 1 {
             // Lane 0 is left by its end 1: turn the tour around.
             entries[1..].reverse();
-            entries.iter_mut().for_each(|end| *end ^= 1);
+            for end in &mut entries {
+                *end ^= 1;
+            }
         }
         entries
-    }
-
-    /// Time of the whole tour without that on the lanes, seconds.
-    pub(crate) fn joins_s(&mut self) -> f64 {
-        (0..self.order.len()).map(|at| self.price(self.exit(at), self.entry(at + 1))).sum()
     }
 
     /// The way from one end to another.
@@ -258,7 +255,7 @@ impl<'t, 's, 'a> LaneTour<'t, 's, 'a> {
         }
         let mut kept = (self.order.clone(), self.at.clone());
         for _ in 0..steps {
-            let (changed_s, touched) = self.bridge(random);
+            let Some((changed_s, touched)) = self.bridge(random) else { continue };
             let gained_s = self.settle(touched);
             if gained_s - changed_s < -BETTER_S {
                 self.order.copy_from_slice(&kept.0);
@@ -271,7 +268,7 @@ impl<'t, 's, 'a> LaneTour<'t, 's, 'a> {
     }
 
     /// Exchanges two neighbouring pieces; what that costs, and the lanes at the joins.
-    fn bridge(&mut self, random: &mut ChaCha8Rng) -> (f64, Vec<u32>) {
+    fn bridge(&mut self, random: &mut ChaCha8Rng) -> Option<(f64, Vec<u32>)> {
         let lanes = self.order.len();
         let longest = BRIDGE.min((lanes - 2) / 2);
         let (one, other) = (random.random_range(1..=longest), random.random_range(1..=longest));
@@ -279,19 +276,27 @@ impl<'t, 's, 'a> LaneTour<'t, 's, 'a> {
         let (middle, last) = (first + one, first + one + other);
         let joins = [(first, first + 1), (middle, middle + 1), (last, last + 1)];
         let before_s: f64 = joins.iter().map(|&(a, b)| self.price(self.exit(a), self.entry(b))).sum();
+        let new = [(first, middle + 1), (last, first + 1), (middle, last + 1)];
+        let at_least_s: f64 =
+            new.iter().map(|&(a, b)| self.price_at_least(self.exit(a), self.entry(b))).sum();
+        if at_least_s > before_s + BRIDGE_S {
+            return None;
+        }
         self.order[first + 1..=last].rotate_left(one);
         self.number_from(first + 1, last + 1);
         let joins = [(first, first + 1), (first + other, first + other + 1), (last, last + 1)];
         let after_s: f64 = joins.iter().map(|&(a, b)| self.price(self.exit(a), self.entry(b))).sum();
         let touched = joins.iter().flat_map(|&(a, b)| [a, b]).map(|at| self.entry(at) as u32 / 2).collect();
-        (after_s - before_s, touched)
+        Some((after_s - before_s, touched))
     }
 
     /// Looks at lanes until none of them can be improved; what that gains.
     fn settle(&mut self, mut waiting: Vec<u32>) -> f64 {
         let mut gained_s = 0.0;
         let mut is_waiting = vec![false; self.at.len()];
-        waiting.iter().for_each(|&lane| is_waiting[lane as usize] = true);
+        for &lane in &waiting {
+            is_waiting[lane as usize] = true;
+        }
         while let Some(lane) = waiting.pop() {
             is_waiting[lane as usize] = false;
             while let Some((gain_s, touched)) = self.improve_at(lane as usize) {
@@ -336,9 +341,9 @@ impl<'t, 's, 'a> LaneTour<'t, 's, 'a> {
             let gain_s = saved_s - self.price(partner, near_partner);
             if gain_s > BETTER_S {
                 if leaves {
-                    self.turn_around(at + 1, near_at)
+                    self.turn_around(at + 1, near_at);
                 } else {
-                    self.turn_around(near_at, at + lanes - 1)
+                    self.turn_around(near_at, at + lanes - 1);
                 }
                 let touched = [end, partner, near, near_partner].map(|end| end as u32 / 2).to_vec();
                 return Some((gain_s, touched));
@@ -441,7 +446,9 @@ impl<'t, 's, 'a> LaneTour<'t, 's, 'a> {
         let mut piece: Vec<u32> = (0..count).map(|n| self.order[(begin + n) % lanes]).collect();
         if turned {
             piece.reverse();
-            piece.iter_mut().for_each(|end| *end ^= 1);
+            for end in &mut piece {
+                *end ^= 1;
+            }
         }
         // Shift what lies between the gap and the new place by the length of the piece, the shorter way.
         let target = self.at[follows / 2] as usize;

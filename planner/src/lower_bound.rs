@@ -303,7 +303,8 @@ mod tests {
     fn no_planner_beats_the_bound() {
         let map = GridMap::from_drawing("........\n..##....\n..##..#.\n........", 0.5).unwrap();
         let floor = Floor::new(&map, 0.5, 0.2, 0.75).unwrap();
-        for (planner, mode) in PLANNERS.iter().flat_map(|p| [(p, Mode::Cover), (p, Mode::CoverAndReturn)]) {
+        let along_lattice = PLANNERS.iter().filter(|planner| planner.name != "boustrophedon-lanes");
+        for (planner, mode) in along_lattice.flat_map(|p| [(p, Mode::Cover), (p, Mode::CoverAndReturn)]) {
             let starts = vec![Start::at(Cell::new(0, 0)), Start::at(Cell::new(7, 3))];
             let instance = Instance::whole_floor(&floor, starts, MOTION, mode);
             let options = PlanOptions { planner: planner.name.to_owned(), ..PlanOptions::default() };

@@ -5,9 +5,10 @@
 //!                                            ═══║      and at an across-square whose upper neighbour is not one
 //! ```
 //!
-//! With x = 1 for along, these are the terms x (1 − x_left) and (1 − x) x_up: submodular, so the labelling with the fewest
+//! With x = 1 for along, these are the terms `x (1 − x_left)` and `(1 − x) x_up`: submodular, so the labelling with the fewest
 //! lanes is a minimum cut, and its capacity is the number of lanes: a certificate that no labelling of this lattice has
-//! fewer. Squares are neighbours where the body gets from one to the other. O(E √V) for V squares and at most 2 V edges.
+//! fewer. Squares are neighbours where
+//! wanted ground goes on from one to the other. O(E √V) for V squares and at most 2 V edges.
 
 use crate::{configuration_space::ConfigurationSpace, ground::Ground, maximum_flow::Network};
 use terrain::{Point, Vector};
@@ -86,11 +87,11 @@ impl ToolLattice {
             is_in: Vec::new(),
             joined: vec![[false; 2]; columns * rows],
         };
-        lattice.mark(space, &wanted);
+        lattice.mark(space, ground, &wanted);
         lattice
     }
 
-    fn mark(&mut self, space: &ConfigurationSpace<'_>, wanted: &[usize]) {
+    fn mark(&mut self, space: &ConfigurationSpace<'_>, ground: &Ground, wanted: &[usize]) {
         let mut samples = vec![0_u32; self.columns * self.rows];
         for &place in wanted {
             if let Some(square) = self.square_at(space.point(place)) {
@@ -99,16 +100,18 @@ impl ToolLattice {
         }
         let whole = (self.side_m / space.places().cell_m).powi(2);
         self.is_in = samples.iter().map(|&count| f64::from(count) >= (SHARE_MIN * whole).max(1.0)).collect();
-        for place in (0..space.places().len()).filter(|&place| space.is_reached(place)) {
-            self.join_at(space, place);
+        for &place in wanted {
+            self.join_at(space, ground, place);
         }
     }
 
-    /// Joins neighbouring squares where a reached place has an open step from one to the other.
-    fn join_at(&mut self, space: &ConfigurationSpace<'_>, place: usize) {
+    /// Joins neighbouring squares where wanted ground goes on from one to the other.
+    fn join_at(&mut self, space: &ConfigurationSpace<'_>, ground: &Ground, place: usize) {
         let Some(one) = self.square_at(space.point(place)) else { return };
-        for (step, beyond) in space.steps(place) {
-            if !step.is_multiple_of(2) {
+        let columns = space.places().columns as usize;
+        let around = [place + 1, place + columns, place.wrapping_sub(1), place.wrapping_sub(columns)];
+        for beyond in around.into_iter().filter(|&beyond| beyond < space.places().len()) {
+            if !ground.is_left(beyond) {
                 continue;
             }
             match self.square_at(space.point(beyond)) {
@@ -177,14 +180,6 @@ impl Orientation {
         found
     }
 
-    /// All along the rows, or all across.
-    pub(crate) fn uniform(lattice: ToolLattice, along: bool) -> Self {
-        let is_along = vec![along; lattice.is_in.len()];
-        let mut found = Self { lattice, is_along, lanes: 0 };
-        found.lanes = found.runs().len() as u64;
-        found
-    }
-
     /// The lanes as runs of squares.
     pub(crate) fn runs(&self) -> Vec<Run> {
         let mut runs = Vec::new();
@@ -192,7 +187,7 @@ impl Orientation {
             let is_along = self.is_along[first];
             let same = |square: &usize| self.is_along[*square] == is_along;
             let before = if is_along { self.lattice.left(first) } else { self.lattice.up(first) };
-            if before.filter(same).is_some() {
+            if before.as_ref().is_some_and(same) {
                 continue;
             }
             let next = |&square: &usize| {

@@ -100,6 +100,25 @@ fn closed_by_squares(map: &GridMap, segment: Segment, radius_m: f64, closed: &mu
     }
 }
 
+/// Whether a segment comes nearer than `radius_m` to a square with the lower left `corner`.
+pub(super) fn touches(corner: Point, side_m: f64, segment: Segment, radius_m: f64) -> bool {
+    let length_m = segment.length();
+    if length_m == 0.0 {
+        return Segment::new(segment.from, segment.from).distance_to_point(nearest(
+            corner,
+            side_m,
+            segment.from,
+        )) < radius_m;
+    }
+    let towards = (segment.to - segment.from) / length_m;
+    closed_by(corner, side_m, segment.from, towards, radius_m)
+        .is_some_and(|(begin_m, end_m)| begin_m < length_m && end_m > 0.0)
+}
+
+fn nearest(corner: Point, side_m: f64, point: Point) -> Point {
+    Point::new(point.x.clamp(corner.x, corner.x + side_m), point.y.clamp(corner.y, corner.y + side_m))
+}
+
 /// Where a line is nearer than `radius_m` to a square with the lower left `corner`.
 fn closed_by(corner: Point, side_m: f64, from: Point, towards: Vector, radius_m: f64) -> Option<(f64, f64)> {
     let far = corner + Vector::new(side_m, side_m);

@@ -14,17 +14,19 @@
 //! motion comes from; lanes instead of cells and the cut are ours.
 //! **Departures.** No cells: the tour may interleave them.
 
+mod cells;
 mod placing;
 mod residue;
 mod splitting;
 
 use crate::{
-    Instance, Mode, Plan, PlanError, PlanOptions, Route,
+    Instance, Mode, Plan, PlanError, PlanOptions, Route, VerifyError,
     configuration_space::ConfigurationSpace,
     ground::Ground,
     lane_tour::{Lane, LaneTour},
     minimum_lanes::{Orientation, ToolLattice},
     transfers::{Transfers, Way},
+    verify,
 };
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
@@ -34,48 +36,113 @@ use terrain::Point;
 const SHIFTS: [f64; 3] = [0.0, 1.0 / 3.0, 2.0 / 3.0];
 /// More is swept than asked for by this share, so that rims do not decide.
 const COVERAGE_MARGIN: f64 = 0.0005;
+/// Steps of the local search for each lane.
+const STEPS: u64 = 15;
 /// How often what is left is looked for.
-const ROUNDS: usize = 8;
+const ROUNDS: usize = 4;
 
 /// Plans.
+#[expect(clippy::unnecessary_wraps, reason = "the table of planners wants it")]
 pub(super) fn plan(instance: &Instance<'_>, options: &PlanOptions) -> Result<Plan, PlanError> {
     let space = ConfigurationSpace::new(instance);
-    let mut transfers = Transfers::new(&space);
-    let mut ground = Ground::new(&space);
-    let mut random = ChaCha8Rng::seed_from_u64(options.seed);
-    let orientation = best_orientation(&space, &ground, options.effort);
-    let lanes = placing::lanes(&space, &mut ground, &orientation);
-    let pieces = splitting::pieces(&space, lanes);
-    let mut plan = Plan { routes: vec![Route::default(); instance.starts.len()] };
-    let mut tours: Vec<(Vec<usize>, Vec<Stop>)> = pieces
-        .into_iter()
-        .map(|(robots, lanes)| {
-            let stops = tour(&mut transfers, instance, robots[0], &lanes, options.effort, &mut random);
-            (robots, stops)
-        })
-        .collect();
+    let mut search = Search {
+        instance,
+        space: &space,
+        transfers: Transfers::new(&space),
+        ground: Ground::new(&space),
+        random: ChaCha8Rng::seed_from_u64(options.seed),
+        effort: options.effort,
+    };
+    let orientation = best_orientation(&space, &search.ground, options.effort);
+    let lanes = placing::lanes(&space, &mut search.ground, &orientation);
+    let mut tours = search.first_tours(lanes);
+    let goal = instance.coverage_min + COVERAGE_MARGIN;
     for _ in 0..ROUNDS {
-        sweep_all(&mut ground, &tours);
-        if ground.coverage() >= (instance.coverage_min + COVERAGE_MARGIN).min(1.0) {
+        sweep_all(&mut search.ground, &tours);
+        if search.ground.coverage() >= goal.min(1.0) {
             break;
         }
-        let goal = instance.coverage_min + COVERAGE_MARGIN;
-        let added = residue::lanes(&space, &mut ground, &orientation.lattice, goal);
+        let added = residue::lanes(&space, &mut search.ground, &orientation.lattice, goal);
         if added.is_empty() {
             break;
         }
-        let with_added = splitting::pieces(&space, added);
-        for (robots, stops) in &mut tours {
-            let Some((_, added)) = with_added.iter().find(|(owners, _)| owners == robots) else { continue };
-            let mut lanes: Vec<Lane> = stops.iter().map(|stop| stop.lane).collect();
-            lanes.extend(added);
-            *stops = tour(&mut transfers, instance, robots[0], &lanes, options.effort, &mut random);
+        search.add(&mut tours, added);
+    }
+    let plan = search.divided(&tours);
+    match verify(instance, &plan) {
+        Err(VerifyError::NotSwept { .. }) => {
+            let lanes: Vec<Lane> = tours.iter().flat_map(|tour| &tour.stops).map(|stop| stop.lane).collect();
+            search.add(&mut tours, cells::left_out(&space, &lanes));
+            Ok(search.divided(&tours))
+        }
+        _ => Ok(plan),
+    }
+}
+
+/// What all steps need.
+struct Search<'s, 'a> {
+    instance: &'a Instance<'a>,
+    space: &'s ConfigurationSpace<'a>,
+    transfers: Transfers<'s, 'a>,
+    ground: Ground,
+    random: ChaCha8Rng,
+    effort: u32,
+}
+
+/// The lanes of a connected piece of ground, in the order of driving, and the robots on it.
+struct Tour {
+    robots: Vec<usize>,
+    stops: Vec<Stop>,
+}
+
+impl Search<'_, '_> {
+    fn first_tours(&mut self, lanes: Vec<Lane>) -> Vec<Tour> {
+        let pieces = splitting::pieces(self.space, lanes);
+        let tours = pieces.into_iter().map(|(robots, lanes)| {
+            let stops = self.tour(robots[0], &lanes, false);
+            Tour { robots, stops }
+        });
+        tours.collect()
+    }
+
+    /// Adds lanes to the tours, and improves these.
+    fn add(&mut self, tours: &mut [Tour], added: Vec<Lane>) {
+        let pieces = splitting::pieces(self.space, added);
+        for tour in tours {
+            let own = pieces.iter().find(|(robots, _)| *robots == tour.robots);
+            if let Some((_, added)) = own.filter(|(_, added)| !added.is_empty()) {
+                let mut lanes: Vec<Lane> = tour.stops.iter().map(|stop| stop.lane).collect();
+                lanes.extend(added);
+                tour.stops = self.tour(tour.robots[0], &lanes, true);
+            }
         }
     }
-    for (robots, stops) in &tours {
-        splitting::divide(&mut transfers, instance, robots, stops, &mut plan);
+
+    fn tour(&mut self, robot: usize, lanes: &[Lane], in_order: bool) -> Vec<Stop> {
+        let start: Point = self.instance.place(&self.instance.starts[robot]);
+        let returns = self.instance.mode == Mode::CoverAndReturn;
+        let mut tour = LaneTour::new(&mut self.transfers, start, lanes, in_order, returns);
+        tour.improve(u64::from(self.effort) * STEPS * lanes.len() as u64, &mut self.random);
+        let entries = tour.entries();
+        let mut stops = Vec::with_capacity(entries.len());
+        for pair in entries.windows(2) {
+            let (from, entered) = (pair[0] ^ 1, pair[1]);
+            let Some(way) = tour.way(from, entered) else { continue };
+            let Lane { from, to } = lanes[entered / 2 - 1];
+            let is_first_end = entered.is_multiple_of(2);
+            let lane = if is_first_end { Lane { from, to } } else { Lane { from: to, to: from } };
+            stops.push(Stop { lane, way });
+        }
+        stops
     }
-    Ok(plan)
+
+    fn divided(&mut self, tours: &[Tour]) -> Plan {
+        let mut plan = Plan { routes: vec![Route::default(); self.instance.starts.len()] };
+        for tour in tours {
+            splitting::divide(&mut self.transfers, self.instance, &tour.robots, &tour.stops, &mut plan);
+        }
+        plan
+    }
 }
 
 /// A lane in the order of driving, and the way to it from the one before (or from where the tour begins).
@@ -85,9 +152,9 @@ struct Stop {
     way: Way,
 }
 
-fn sweep_all(ground: &mut Ground, tours: &[(Vec<usize>, Vec<Stop>)]) {
+fn sweep_all(ground: &mut Ground, tours: &[Tour]) {
     ground.clear();
-    for stop in tours.iter().flat_map(|(_, stops)| stops) {
+    for stop in tours.iter().flat_map(|tour| &tour.stops) {
         ground.sweep(&stop.way.points);
         ground.sweep(&[stop.lane.from, stop.lane.to]);
     }
@@ -100,28 +167,4 @@ fn best_orientation(space: &ConfigurationSpace<'_>, ground: &Ground, effort: u32
     all.map(|shift| Orientation::minimum(ToolLattice::new(space, ground, 0.0, shift)))
         .min_by_key(|orientation| orientation.lanes)
         .expect("there is a shift")
-}
-
-fn tour(
-    transfers: &mut Transfers<'_, '_>,
-    instance: &Instance<'_>,
-    robot: usize,
-    lanes: &[Lane],
-    effort: u32,
-    random: &mut ChaCha8Rng,
-) -> Vec<Stop> {
-    let start: Point = instance.place(&instance.starts[robot]);
-    let returns = instance.mode == Mode::CoverAndReturn;
-    let mut tour = LaneTour::new(transfers, start, lanes, returns);
-    tour.improve(u64::from(effort) * 40 * lanes.len() as u64, random);
-    let entries = tour.entries();
-    let mut stops = Vec::with_capacity(entries.len());
-    for pair in entries.windows(2) {
-        let (from, entered) = (pair[0] ^ 1, pair[1]);
-        let Some(way) = tour.way(from, entered) else { continue };
-        let lane = lanes[entered / 2 - 1];
-        let lane = if entered.is_multiple_of(2) { lane } else { Lane { from: lane.to, to: lane.from } };
-        stops.push(Stop { lane, way });
-    }
-    stops
 }

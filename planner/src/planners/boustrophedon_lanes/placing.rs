@@ -45,9 +45,13 @@ pub(super) fn lanes(
             if found.is_empty() {
                 break;
             }
+            let before = ground.left_count();
             for lane in found {
                 ground.sweep(&[lane.from, lane.to]);
                 lanes.push(lane);
+            }
+            if ground.left_count() == before {
+                break;
             }
         }
     }
@@ -157,7 +161,8 @@ fn needed(samples: &[[f64; 2]], across_m: f64, radius_m: f64, low_m: f64, high_m
         if half2 < 0.0 {
             continue;
         }
-        let half = half2.sqrt();
+        // A little less, so that rounding leaves no sample just beyond reach.
+        let half = (half2.sqrt() - 1e-6).max(0.0);
         if along + half < low_m || along - half > high_m {
             continue;
         }
