@@ -4,7 +4,7 @@ use crate::{
     BenchmarkError, Options, Progress, Table, content, csv_rows, grid_instances, read,
     tables::{mean, ratio, tenths},
 };
-use planner::{PLANNERS, PlanError};
+use planner::{PLANNERS, PlanError, Planner};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
@@ -70,7 +70,9 @@ fn measure(
         let bound = reference.and_then(|row| row.lower_bound).unwrap_or(0.0).max(task.lower_bound_s());
         let best = reference.and_then(|row| row.best_known);
         let ls = reference.and_then(|row| row.ls_makespan.clone()).unwrap_or_default();
-        for planner in PLANNERS.iter().filter(|planner| cells <= SLOW_CELLS || !planner.is_slow) {
+        let fits =
+            |planner: &&Planner| !planner.leaves_lattice() && (cells <= SLOW_CELLS || !planner.is_slow);
+        for planner in PLANNERS.iter().filter(fits) {
             let head = [
                 task.name.clone(),
                 cells.to_string(),

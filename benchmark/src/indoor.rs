@@ -80,14 +80,11 @@ pub(crate) fn run(options: &Options, progress: Progress<'_>) -> Result<Vec<Table
             for (what, coverage) in [("", at_reference), (", with the rest", WHOLE)] {
                 progress(&format!("{map}: {planner}{what}"));
                 let name = format!("{planner}{what}");
-                let row = measure(&floor_plan, planner, coverage, options.effort);
-                table.push(row_of(
-                    map,
-                    &name,
-                    &floor_plan,
-                    target_s,
-                    row.map_err(|error| content(&path, error.to_string()))?,
-                ));
+                let made = measure(&floor_plan, planner, coverage, options.effort)
+                    .map_err(|error| content(&path, error.to_string()))?;
+                let row = row_of(map, &name, &floor_plan, target_s, made);
+                progress(&row.join(" "));
+                table.push(row);
             }
         }
     }

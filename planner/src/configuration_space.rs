@@ -102,6 +102,7 @@ impl<'a> ConfigurationSpace<'a> {
     }
 
     /// Row-major: the places that robots reach.
+    #[allow(dead_code, reason = "for planners with batteries")]
     pub(crate) fn reached(&self) -> &[bool] {
         &self.reached
     }
@@ -194,8 +195,8 @@ impl<'a> ConfigurationSpace<'a> {
         let (columns, rows) = (self.places.columns as i32, self.places.rows as i32);
         for place in (0..self.places.len()).filter(|&place| free[place]) {
             let at = self.places.cell(place);
-            for step in 0..4 {
-                let to = Cell::new(at.x + STEPS[step].0, at.y + STEPS[step].1);
+            for (step, (dx, dy)) in STEPS.into_iter().enumerate().take(4) {
+                let to = Cell::new(at.x + dx, at.y + dy);
                 if to.x < 0 || to.x >= columns || to.y >= rows {
                     continue;
                 }
@@ -230,13 +231,11 @@ impl<'a> ConfigurationSpace<'a> {
             return true;
         }
         let (one, other) = (lattice.cell(one), lattice.cell(other));
-        match Direction::between(one, other) {
-            Some(way) => floor.map().is_some() || floor.can_move(one, way),
-            None => {
-                let sides = [Cell::new(one.x, other.y), Cell::new(other.x, one.y)];
-                floor.map().is_some() && sides.iter().all(|&cell| self.cell_is_open(cell))
-            }
+        if let Some(way) = Direction::between(one, other) {
+            return floor.map().is_some() || floor.can_move(one, way);
         }
+        let sides = [Cell::new(one.x, other.y), Cell::new(other.x, one.y)];
+        floor.map().is_some() && sides.iter().all(|&cell| self.cell_is_open(cell))
     }
 
     fn cell_is_open(&self, cell: Cell) -> bool {

@@ -49,29 +49,14 @@ impl Ground {
         self.wanted[place] && self.swept[place] == 0
     }
 
-    /// Whether a sample is wanted.
-    pub(crate) fn is_wanted(&self, place: usize) -> bool {
-        self.wanted[place]
-    }
-
     /// Share of the wanted samples that have been swept.
     pub(crate) fn coverage(&self) -> f64 {
         1.0 - self.left_count as f64 / self.wanted_count.max(1) as f64
     }
 
-    /// Samples that are wanted.
-    pub(crate) fn wanted_count(&self) -> usize {
-        self.wanted_count
-    }
-
     /// Samples that are wanted and not swept.
     pub(crate) fn left_count(&self) -> usize {
         self.left_count
-    }
-
-    /// Area of a sample, square metres.
-    pub(crate) fn sample_m2(&self) -> f64 {
-        self.places.cell_m * self.places.cell_m
     }
 
     /// Forgets what has been swept.
@@ -91,6 +76,7 @@ impl Ground {
     }
 
     /// Takes a sweep along these very points back.
+    #[allow(dead_code, reason = "for planners that change a tour step by step")]
     pub(crate) fn unsweep(&mut self, points: &[Point]) {
         self.each_sample_of(points, |ground, place| {
             ground.swept[place] = ground.swept[place].saturating_sub(1);

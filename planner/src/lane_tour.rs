@@ -12,8 +12,7 @@
 //! **Guarantee.** Each lane is on the tour once at any time; it never gets worse. None on quality.
 //! **Complexity.** One bounded search per end for its near ends; others are searched for only when a bound on their price
 //! promises a gain. O(n) for a reversal.
-//! **Paper.** R. Bormann and others, of the atomic cells and their entries and exits: see the planners; 2-opt and Or-opt: see
-//! J. J. Bentley: Fast algorithms for geometric traveling salesman problems. ORSA Journal on Computing 4, 1992.
+//! **Paper.** 2-opt and Or-opt with near lists: J. J. Bentley: Fast algorithms for geometric traveling salesman problems. ORSA Journal on Computing 4, 1992.
 
 use crate::transfers::{Targets, Transfers, Way, heading_rad};
 use rand::RngExt as _;
@@ -36,12 +35,6 @@ const BETTER_S: f64 = 1e-7;
 pub(crate) struct Lane {
     pub(crate) from: Point,
     pub(crate) to: Point,
-}
-
-impl Lane {
-    pub(crate) fn length_m(&self) -> f64 {
-        (self.to - self.from).norm()
-    }
 }
 
 /// Lanes with the prices between their ends. End `2 n` is the first of lane n, `2 n + 1` the other one; `end ^ 1` is
@@ -109,14 +102,11 @@ impl<'t, 's, 'a> LaneTour<'t, 's, 'a> {
         if entries[0] == 1 {
             // Lane 0 is left by its end 1: turn the tour around.
             entries[1..].reverse();
-            entries.iter_mut().for_each(|end| *end ^= 1);
+            for end in &mut entries {
+                *end ^= 1;
+            }
         }
         entries
-    }
-
-    /// Time of the whole tour without that on the lanes, seconds.
-    pub(crate) fn joins_s(&mut self) -> f64 {
-        (0..self.order.len()).map(|at| self.price(self.exit(at), self.entry(at + 1))).sum()
     }
 
     /// The way from one end to another.
@@ -304,7 +294,9 @@ impl<'t, 's, 'a> LaneTour<'t, 's, 'a> {
     fn settle(&mut self, mut waiting: Vec<u32>) -> f64 {
         let mut gained_s = 0.0;
         let mut is_waiting = vec![false; self.at.len()];
-        waiting.iter().for_each(|&lane| is_waiting[lane as usize] = true);
+        for &lane in &waiting {
+            is_waiting[lane as usize] = true;
+        }
         while let Some(lane) = waiting.pop() {
             is_waiting[lane as usize] = false;
             while let Some((gain_s, touched)) = self.improve_at(lane as usize) {
@@ -349,9 +341,9 @@ impl<'t, 's, 'a> LaneTour<'t, 's, 'a> {
             let gain_s = saved_s - self.price(partner, near_partner);
             if gain_s > BETTER_S {
                 if leaves {
-                    self.turn_around(at + 1, near_at)
+                    self.turn_around(at + 1, near_at);
                 } else {
-                    self.turn_around(near_at, at + lanes - 1)
+                    self.turn_around(near_at, at + lanes - 1);
                 }
                 let touched = [end, partner, near, near_partner].map(|end| end as u32 / 2).to_vec();
                 return Some((gain_s, touched));
@@ -454,7 +446,9 @@ impl<'t, 's, 'a> LaneTour<'t, 's, 'a> {
         let mut piece: Vec<u32> = (0..count).map(|n| self.order[(begin + n) % lanes]).collect();
         if turned {
             piece.reverse();
-            piece.iter_mut().for_each(|end| *end ^= 1);
+            for end in &mut piece {
+                *end ^= 1;
+            }
         }
         // Shift what lies between the gap and the new place by the length of the piece, the shorter way.
         let target = self.at[follows / 2] as usize;

@@ -271,12 +271,8 @@ mod tests {
                 prop_assert!(planned.is_ok(), "{}: {:?}", planner.name, planned);
                 let makespan_s = planned.as_ref().map_or(0.0, |plan| plan.figures().makespan_s);
                 makespans_s.insert(planner.name, makespan_s);
-                // The bound holds for plans along the lattice.
-                let leaves_lattice = planner.name == "boustrophedon-lanes";
-                prop_assert!(
-                    leaves_lattice || makespan_s >= bound_s - 1e-6,
-                    "{}: {makespan_s} < {bound_s}", planner.name
-                );
+                let is_bounded = planner.leaves_lattice() || makespan_s >= bound_s - 1e-6;
+                prop_assert!(is_bounded, "{}: {makespan_s} < {bound_s}", planner.name);
                 prop_assert_eq!(&planned, &plan(&instance, &options), "{} is deterministic", planner.name);
             }
             // With turns, weights, delays and ground that need not be visited.

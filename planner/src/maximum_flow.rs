@@ -109,7 +109,9 @@ mod tests {
         ) {
             let mut network = Network::new(6);
             let edges: Vec<_> = edges.into_iter().filter(|(from, to, _)| from != to).collect();
-            edges.iter().for_each(|&(from, to, capacity)| network.add(from, to, capacity));
+            for &(from, to, capacity) in &edges {
+                network.add(from, to, capacity);
+            }
             let (flow, near) = network.minimum_cut(0, 5);
             let crossing = |side: &dyn Fn(usize) -> bool| -> u64 {
                 edges.iter().filter(|(from, to, _)| side(*from) && !side(*to)).map(|edge| u64::from(edge.2)).sum()

@@ -5,7 +5,7 @@
 //!                                            ═══║      and at an across-square whose upper neighbour is not one
 //! ```
 //!
-//! With x = 1 for along, these are the terms x (1 − x_left) and (1 − x) x_up: submodular, so the labelling with the fewest
+//! With x = 1 for along, these are the terms `x (1 − x_left)` and `(1 − x) x_up`: submodular, so the labelling with the fewest
 //! lanes is a minimum cut, and its capacity is the number of lanes: a certificate that no labelling of this lattice has
 //! fewer. Squares are neighbours where
 //! wanted ground goes on from one to the other. O(E √V) for V squares and at most 2 V edges.
@@ -180,14 +180,6 @@ impl Orientation {
         found
     }
 
-    /// All along the rows, or all across.
-    pub(crate) fn uniform(lattice: ToolLattice, along: bool) -> Self {
-        let is_along = vec![along; lattice.is_in.len()];
-        let mut found = Self { lattice, is_along, lanes: 0 };
-        found.lanes = found.runs().len() as u64;
-        found
-    }
-
     /// The lanes as runs of squares.
     pub(crate) fn runs(&self) -> Vec<Run> {
         let mut runs = Vec::new();
@@ -195,7 +187,7 @@ impl Orientation {
             let is_along = self.is_along[first];
             let same = |square: &usize| self.is_along[*square] == is_along;
             let before = if is_along { self.lattice.left(first) } else { self.lattice.up(first) };
-            if before.filter(same).is_some() {
+            if before.as_ref().is_some_and(same) {
                 continue;
             }
             let next = |&square: &usize| {

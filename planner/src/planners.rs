@@ -29,6 +29,13 @@ pub struct Planner {
     pub plan: fn(&Instance<'_>, &PlanOptions) -> Result<Plan, PlanError>,
 }
 
+impl Planner {
+    /// Whether its lines leave the lattice, so that bounds in moves from cell to cell do not hold for it.
+    pub fn leaves_lattice(&self) -> bool {
+        self.name.starts_with("boustrophedon") || self.name.starts_with("bc-sweep")
+    }
+}
+
 /// Every planner, in the order of the README's table.
 pub const PLANNERS: &[Planner] = &[
     Planner { name: "forest-search", paper: "ours", is_slow: false, plan: forest_search::plan },

@@ -164,6 +164,7 @@ impl<'s, 'a> Transfers<'s, 'a> {
             .collect()
     }
 
+    #[allow(dead_code, reason = "for planners with batteries")]
     /// How far each place is from the nearest of some sources, each with metres that are counted before it.
     pub(crate) fn field(&mut self, sources: &[(Point, f64)]) -> Field {
         let places = self.space.places().len();
@@ -220,6 +221,7 @@ impl<'s, 'a> Transfers<'s, 'a> {
         field
     }
 
+    #[allow(dead_code, reason = "for planners with batteries")]
     /// The way that a field leads along, from a point to the nearest source; the source's number with it.
     pub(crate) fn way_to_source(
         &self,
@@ -323,6 +325,7 @@ impl Targets {
 }
 
 /// Distances of all places from the nearest of some sources.
+#[allow(dead_code, reason = "for planners with batteries")]
 #[derive(Debug, Clone)]
 pub(crate) struct Field {
     cost: Vec<u32>,
@@ -331,6 +334,7 @@ pub(crate) struct Field {
     unit_m: f64,
 }
 
+#[allow(dead_code, reason = "for planners with batteries")]
 impl Field {
     /// Metres of steps from the nearest source to a place, what is counted before it included: never less than the way
     /// is long. `None` where no source is reached.
@@ -345,6 +349,7 @@ impl Field {
 }
 
 /// A slanting step is counted as 1.4 straight ones: this much too short at most.
+#[allow(dead_code, reason = "for planners with batteries")]
 const SLACK: f64 = std::f64::consts::SQRT_2 / 1.4;
 
 /// For each place, the cost to a target if nothing were in the way.

@@ -170,7 +170,7 @@ impl<'a> Evaluator<'a> {
         let (Some(source), Some(target)) = (self.pixel_near(from), self.pixel_near(to)) else {
             return Vec::new();
         };
-        let columns = self.map.columns() as i64;
+        let columns = i64::from(self.map.columns());
         let mut best = vec![u32::MAX; self.feasible.len()];
         let mut before = vec![usize::MAX; self.feasible.len()];
         let mut heap = BinaryHeap::from([(std::cmp::Reverse(0_u32), source)]);

@@ -12,14 +12,17 @@ use terrain::{Floor, GridMap, MapFile, MotionModel, Point};
 
 /// One of `NAME.yaml`, `NAME.pgm` and `NAME.stations.json`.
 pub(crate) struct FloorPlan {
+    #[allow(dead_code, reason = "for tables of several robots")]
     pub(crate) name: String,
     pub(crate) map: GridMap,
     pub(crate) floor: Floor,
     pub(crate) robot: Robot,
     pub(crate) stations: Vec<Point>,
     /// Seconds of operation; `None` is without limit.
+    #[allow(dead_code, reason = "for tables with batteries")]
     pub(crate) capacities_s: Vec<Option<f64>>,
     /// As the notes that come with the map say.
+    #[cfg_attr(not(test), expect(dead_code, reason = "the evaluator is checked against it"))]
     pub(crate) coverable_area_m2: f64,
 }
 
@@ -95,6 +98,7 @@ impl FloorPlan {
     }
 
     /// The whole floor from these stations and back.
+    #[allow(dead_code, reason = "for tables of several robots")]
     pub(crate) fn task(&self, stations: &[usize]) -> Task {
         Task {
             name: self.name.clone(),

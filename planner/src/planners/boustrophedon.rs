@@ -103,7 +103,9 @@ pub(super) fn cover(
     for (robot, route) in routes.iter_mut().enumerate() {
         finish(&mut transfers, robot, route)?;
     }
-    Ok(Plan { routes })
+    let mut plan = Plan { routes };
+    residual::visit_gaps(&mut transfers, &mut plan);
+    Ok(plan)
 }
 
 /// Christofides' order over the station and the lower left corners.

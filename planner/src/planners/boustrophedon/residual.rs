@@ -4,7 +4,7 @@
 //! The places are centres of cells, the one from which most is gained first, until the share asked for is swept. From all of
 //! them together everything that can be asked for is swept, so this always gets there.
 
-use crate::{Instance, Mode, Route, transfers::Transfers};
+use crate::{Instance, Mode, Plan, Route, VerifyError, transfers::Transfers, verify};
 use std::collections::BinaryHeap;
 use terrain::{Cell, Lattice, Point, Segment, SweptRaster, samples_swept_from};
 
@@ -14,8 +14,39 @@ const CANDIDATES: usize = 4;
 /// Adds side trips to routes until they sweep `share` of what is to be swept. Routes have at least one point each.
 pub(super) fn sweep_the_rest(transfers: &mut Transfers<'_, '_>, routes: &mut [Route], share: f64) {
     let instance = transfers.space().instance();
-    for stop in stops(instance, routes, share) {
-        side_trip(transfers, routes, instance.center(stop));
+    // A bump may leave a little out that the straight line swept; out and back never does.
+    for trips in [&[Trip::Bump, Trip::OutAndBack][..], &[Trip::Bump, Trip::OutAndBack], &[Trip::OutAndBack]] {
+        for stop in stops(instance, routes, share) {
+            side_trip(transfers, routes, instance.center(stop), trips);
+        }
+    }
+}
+
+/// How a route gets to a place beside it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Trip {
+    /// Leaves its line some way before, and comes back to it some way after.
+    Bump,
+    /// Goes there from where it is nearest, and back.
+    OutAndBack,
+}
+
+/// Side trips to cells that are left out where a plan goes along the lattice all the way: there, cells are what counts.
+pub(super) fn visit_gaps(transfers: &mut Transfers<'_, '_>, plan: &mut Plan) {
+    let instance = transfers.space().instance();
+    while let Err(VerifyError::Gap(cell)) = verify(instance, plan) {
+        let points = |plan: &Plan| plan.routes.iter().map(|route| route.points.len()).sum::<usize>();
+        let before = points(plan);
+        for (route, start) in plan.routes.iter_mut().zip(&instance.starts) {
+            if route.points.is_empty() {
+                route.points.push(instance.place(start));
+            }
+        }
+        side_trip(transfers, &mut plan.routes, instance.center(cell), &[Trip::OutAndBack]);
+        plan.routes.iter_mut().filter(|route| route.points.len() < 2).for_each(|route| route.points.clear());
+        if points(plan) == before {
+            return;
+        }
     }
 }
 
@@ -146,37 +177,78 @@ struct Branch {
     distance_m: f64,
 }
 
-/// Leads the nearest route to a place and back.
-fn side_trip(transfers: &mut Transfers<'_, '_>, routes: &mut [Route], stop: Point) {
-    let ways = branches(routes, stop).into_iter().filter_map(|branch| {
-        let way = transfers.way(branch.place, stop)?;
-        Some((branch, way))
-    });
-    let best = ways.min_by(|a, b| a.1.length_m.total_cmp(&b.1.length_m));
-    let Some((branch, way)) = best else { return };
-    let points = &mut routes[branch.robot].points;
-    let ends_here = branch.at + 1 == points.len();
-    let mut trip = vec![branch.place];
-    trip.extend(&way.points);
-    if !(ends_here && transfers.space().instance().mode == Mode::Cover) {
-        trip.extend(way.points.iter().rev().skip(1));
+/// Leads the route that loses least time to a place beside it.
+fn side_trip(transfers: &mut Transfers<'_, '_>, routes: &mut [Route], stop: Point, trips: &[Trip]) {
+    let mut best: Option<(f64, Branch, Vec<Point>)> = None;
+    let mut found = 0;
+    for branch in branches(routes, stop) {
+        if found >= CANDIDATES {
+            break;
+        }
+        for &trip in trips {
+            let points = &routes[branch.robot].points;
+            let Some(made) = detour(transfers, points, branch, stop, trip) else { break };
+            found += usize::from(trip == trips[0]);
+            let added_s = added_s(transfers.space().instance(), points, branch.at, &made);
+            if best.as_ref().is_none_or(|(least_s, ..)| added_s < *least_s) {
+                best = Some((added_s, branch, made));
+            }
+        }
     }
-    trip.dedup();
-    points.splice(branch.at + 1..branch.at + 1, trip);
+    let Some((_, branch, made)) = best else { return };
+    let points = &mut routes[branch.robot].points;
+    points.splice(branch.at + 1..branch.at + 1, made);
     points.dedup_by(|a, b| (*a - *b).norm() < 1e-9);
 }
 
-/// Where routes come nearest to a place, in a straight line.
+/// The points of a trip, between point `branch.at` and the next one.
+fn detour(
+    transfers: &mut Transfers<'_, '_>,
+    points: &[Point],
+    branch: Branch,
+    stop: Point,
+    trip: Trip,
+) -> Option<Vec<Point>> {
+    let instance = transfers.space().instance();
+    let Some(&next) = points.get(branch.at + 1) else {
+        let mut way = transfers.way(branch.place, stop)?.points;
+        if instance.mode == Mode::CoverAndReturn {
+            way.extend(way.clone().into_iter().rev().skip(1));
+        }
+        return Some(way);
+    };
+    let aside_m = if trip == Trip::Bump { instance.floor.tool_width_m() } else { 0.0 };
+    let beside = |end: Point| {
+        let way = end - branch.place;
+        if way.norm() <= aside_m { end } else { branch.place + way * (aside_m / way.norm()) }
+    };
+    let (before, after) = (beside(points[branch.at]), beside(next));
+    let mut made = transfers.way(before, stop)?.points;
+    made.extend(transfers.way(stop, after)?.points);
+    Some(made)
+}
+
+/// Time that a route loses by what is put in after point `at`, seconds.
+fn added_s(instance: &Instance<'_>, points: &[Point], at: usize, made: &[Point]) -> f64 {
+    let before = &points[at.saturating_sub(1)..=at];
+    let after = &points[at + 1..points.len().min(at + 3)];
+    let path_s = |between: &[Point]| instance.motion.path_s(&[before, between, after].concat(), None);
+    path_s(made) - path_s(&[])
+}
+
+/// Where each route comes nearest to a place, in a straight line; the nearest first.
 fn branches(routes: &[Route], stop: Point) -> Vec<Branch> {
     let mut found: Vec<Branch> = Vec::new();
     for (robot, route) in routes.iter().enumerate() {
-        for (at, &from) in route.points.iter().enumerate() {
+        let branch = |(at, &from): (usize, &Point)| {
             let to = route.points.get(at + 1).copied().unwrap_or(from);
             let place = Segment::new(from, to).nearest(stop);
-            found.push(Branch { robot, at, place, distance_m: (place - stop).norm() });
-        }
+            Branch { robot, at, place, distance_m: (place - stop).norm() }
+        };
+        let mut of_route: Vec<Branch> = route.points.iter().enumerate().map(branch).collect();
+        of_route.sort_by(|a, b| a.distance_m.total_cmp(&b.distance_m));
+        found.extend(of_route.into_iter().take(CANDIDATES));
     }
     found.sort_by(|a, b| a.distance_m.total_cmp(&b.distance_m));
-    found.truncate(CANDIDATES);
     found
 }
