@@ -61,7 +61,7 @@ use web::Web;
 /// Strips narrower than this share of the tool's width are left to the smoothing.
 const LEAST_STRIP: f64 = 0.6;
 /// How much more ground is worth than the way that sweeps it, when all is to be swept.
-const FULL_GROUND_WORTH: f64 = 6.0;
+const FULL_GROUND_WORTH: f64 = 10.0;
 
 /// How to cover polygons.
 #[derive(Debug, Clone, PartialEq)]
