@@ -254,7 +254,9 @@ mod tests {
 
     fn coverage(instance: &PolygonInstance, lines: &[Vec<Point>]) -> f64 {
         let mut swept = SweptCounts::new(&instance.ground, instance.tool_width_m);
-        lines.iter().flat_map(|line| line.windows(2)).for_each(|pair| swept.put_in(pair[0], pair[1]));
+        for pair in lines.iter().flat_map(|line| line.windows(2)) {
+            swept.put_in(pair[0], pair[1]);
+        }
         swept.coverage()
     }
 

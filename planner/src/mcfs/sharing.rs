@@ -174,7 +174,9 @@ impl Sharing<'_> {
 
     fn marks(&self, line: &[u32]) -> Vec<bool> {
         let mut marks = vec![false; self.web.len()];
-        line.iter().for_each(|&place| marks[place as usize] = true);
+        for &place in line {
+            marks[place as usize] = true;
+        }
         marks
     }
 
