@@ -61,7 +61,7 @@ use web::Web;
 /// Strips narrower than this share of the tool's width are left to the smoothing.
 const LEAST_STRIP: f64 = 0.6;
 /// How much more ground is worth than the way that sweeps it, when all is to be swept.
-const FULL_GROUND_WORTH: f64 = 6.0;
+const FULL_GROUND_WORTH: f64 = 10.0;
 
 /// How to cover polygons.
 #[derive(Debug, Clone, PartialEq)]
@@ -263,7 +263,9 @@ mod tests {
 
     fn coverage(instance: &PolygonInstance, lines: &[Vec<Point>]) -> f64 {
         let mut swept = SweptCounts::new(&instance.ground, instance.tool_width_m);
-        lines.iter().flat_map(|line| line.windows(2)).for_each(|pair| swept.put_in(pair[0], pair[1]));
+        for pair in lines.iter().flat_map(|line| line.windows(2)) {
+            swept.put_in(pair[0], pair[1]);
+        }
         swept.coverage()
     }
 
