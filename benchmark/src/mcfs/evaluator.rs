@@ -149,7 +149,8 @@ mod tests {
 
     #[test]
     fn a_straight_line_sweeps_a_rectangle_with_round_ends() {
-        let ground = geo::polygon![(x: 0., y: 0.), (x: 4., y: 0.), (x: 4., y: 2.), (x: 0., y: 2.)];
+        let corners = vec![(0.0, 0.0), (4.0, 0.0), (4.0, 2.0), (0.0, 2.0)];
+        let ground = Polygon::new(LineString::from(corners), Vec::new());
         let path = vec![Point::new(1.0, 1.0), Point::new(3.0, 1.0)];
         let seen = evaluate(&ground, 1.0, &[path.clone(), path]);
         let swept_m2 = 2.0 + std::f64::consts::PI / 4.0;

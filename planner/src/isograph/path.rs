@@ -19,11 +19,22 @@ impl ClosedPath {
     /// Stitches the loops; what cannot be stitched is driven to, and back, on the shortest way.
     pub(super) fn new(graph: &Isograph, ways: &Ways<'_>, tree: &LoopTree, selection: &mut Selection) -> Self {
         let spiral = spiral(graph, tree, selection);
-        let mut path = Self { stations: spiral.weave.ring(tree.loops[tree.root].ring[0]) };
+        let ring = spiral.weave.ring(tree.loops[tree.root].ring[0]);
+        // A station that a way passes is not yet driven around.
+        let mut driven = vec![false; graph.station_count()];
+        let mut mark = |ring: &[StationId]| {
+            let is_new = !driven[ring[0] as usize];
+            for &station in ring {
+                driven[station as usize] = true;
+            }
+            is_new
+        };
+        mark(&ring);
+        let mut path = Self { stations: ring };
         for apart in spiral.apart {
-            let first = tree.loops[apart].ring[0];
-            if !path.stations.contains(&first) {
-                path.detour(ways, &spiral.weave.ring(first));
+            let ring = spiral.weave.ring(tree.loops[apart].ring[0]);
+            if mark(&ring) {
+                path.detour(ways, &ring);
             }
         }
         path

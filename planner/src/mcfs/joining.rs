@@ -19,7 +19,9 @@ const STEP_M: f64 = 1e-6;
 pub(super) fn join(web: &mut Web, walls: &Walls) {
     let mut lines = DisjointSets::new(web.len());
     for line in web.closed_lines() {
-        line.iter().for_each(|&place| lines.unite(line[0], place));
+        for &place in &line {
+            lines.unite(line[0], place);
+        }
     }
     for reach in REACHES {
         let reach_m = reach * web.width_m;

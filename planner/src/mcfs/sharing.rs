@@ -12,6 +12,7 @@
 use super::drive::{Drives, Neighbours};
 use super::walls::Walls;
 use super::web::{Exchange, Web};
+use std::collections::BTreeSet;
 
 /// Pairs of shares closer than this part of their length are left as they are.
 const EVEN: f64 = 5e-4;
@@ -51,8 +52,10 @@ struct Chord {
 impl Sharing<'_> {
     /// Evens out until nobody gains, or for so many rounds.
     pub(super) fn settle(&mut self, shares: &mut [Share], rounds: usize) {
+        // Pairs that have gained nothing and have not changed since.
+        let mut settled = BTreeSet::new();
         for _ in 0..rounds {
-            if !self.even_out(shares) {
+            if !self.even_out(shares, &mut settled) {
                 break;
             }
         }
@@ -96,17 +99,25 @@ impl Sharing<'_> {
     }
 
     /// Joins and cuts again pairs of neighbours; whether anything got better.
-    fn even_out(&mut self, shares: &mut [Share]) -> bool {
+    fn even_out(&mut self, shares: &mut [Share], settled: &mut BTreeSet<(usize, usize)>) -> bool {
         let mut better = false;
         let mut order: Vec<(usize, usize)> =
             (0..shares.len()).flat_map(|a| (0..a).map(move |b| (b, a))).collect();
         let costs: Vec<f64> = shares.iter().map(|share| self.cost_m(share)).collect();
         order.sort_by(|&(a, b), &(c, d)| costs[c].max(costs[d]).total_cmp(&costs[a].max(costs[b])));
         for (a, b) in order {
-            better |= self.even_pair(shares, a, b);
+            if settled.contains(&(a, b)) {
+                continue;
+            }
+            let evened = self.even_pair(shares, a, b);
             let (longer, shorter) =
                 if self.cost_m(&shares[a]) >= self.cost_m(&shares[b]) { (a, b) } else { (b, a) };
-            better |= self.hand_over(shares, longer, shorter);
+            if self.hand_over(shares, longer, shorter) || evened {
+                better = true;
+                settled.retain(|&(one, other)| ![a, b].contains(&one) && ![a, b].contains(&other));
+            } else {
+                settled.insert((a, b));
+            }
         }
         better
     }
@@ -163,7 +174,9 @@ impl Sharing<'_> {
 
     fn marks(&self, line: &[u32]) -> Vec<bool> {
         let mut marks = vec![false; self.web.len()];
-        line.iter().for_each(|&place| marks[place as usize] = true);
+        for &place in line {
+            marks[place as usize] = true;
+        }
         marks
     }
 
@@ -227,12 +240,23 @@ impl Sharing<'_> {
             beside.flat_map(move |&beside| super::joining::exchanges(self.web, place, beside))
         });
         let reach_m = 1.6 * self.web.width_m;
-        pairs
-            .filter(|exchange| super::joining::may_pay(self.web, *exchange, reach_m))
-            .map(|exchange| (self.web.cost(exchange).value_m(self.web.width_m), exchange))
-            .filter(|(_, exchange)| self.web.allows(*exchange, self.walls))
-            .min_by(|(a, x), (b, y)| a.total_cmp(b).then(x.cmp(y)))
-            .map(|(_, exchange)| exchange)
+        let mut best: Option<(f64, Exchange)> = None;
+        for exchange in pairs.filter(|exchange| self.is_candidate(exchange)) {
+            if super::joining::may_pay(self.web, exchange, reach_m) {
+                let value_m = self.web.cost(exchange).value_m(self.web.width_m);
+                if best.is_none_or(|(least_m, _)| value_m < least_m) && self.web.allows(exchange, self.walls)
+                {
+                    best = Some((value_m, exchange));
+                }
+            }
+        }
+        best.map(|(_, exchange)| exchange)
+    }
+
+    /// Earlier joints are all looked at, of the stretches of tracks every third place: neighbours are alike.
+    fn is_candidate(&self, exchange: &Exchange) -> bool {
+        let Exchange { one: (a, a2), other: (b, b2) } = *exchange;
+        a % 3 == 0 || !self.web.is_short(a, a2) || !self.web.is_short(b, b2)
     }
 
     /// The chord with the least score; `judge` says makespan, robot inside and robot outside from the two lengths and

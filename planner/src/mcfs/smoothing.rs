@@ -83,7 +83,7 @@ impl Smoothing<'_> {
             let bend = corner(line, from, to, 4.0 * self.width_m)
                 .map(|corner| Shortcut { corner: Some(corner), ..straight });
             for shortcut in std::iter::once(straight).chain(bend) {
-                let way_gain_m = old_m - self.new_cost_m(line, &shortcut, turn_m);
+                let way_gain_m = old_m - Self::new_cost_m(line, &shortcut, turn_m);
                 let promise_m = way_gain_m - self.likely_loss_m(line, &shortcut);
                 let least_m = best.map_or(LEAST_GAIN * self.width_m, |best| best.promise_m);
                 if promise_m > least_m {
@@ -107,7 +107,7 @@ impl Smoothing<'_> {
         LIKELY_LOSS * self.ground_worth * cut_off_m2 / self.width_m
     }
 
-    fn new_cost_m(&self, line: &[Point], shortcut: &Shortcut, turn_m: f64) -> f64 {
+    fn new_cost_m(line: &[Point], shortcut: &Shortcut, turn_m: f64) -> f64 {
         let (a, b) = (line[shortcut.from], line[shortcut.to]);
         let (first, last) = (shortcut.corner.unwrap_or(b), shortcut.corner.unwrap_or(a));
         let before = shortcut.from.checked_sub(1).map(|at| a - line[at]);

@@ -69,9 +69,13 @@ fn worthwhile(instance: &PolygonInstance, tracks: Vec<Track>, least_yield: f64) 
     let mut kept = Vec::new();
     for track in tracks.into_iter().rev() {
         let before_m2 = swept.unswept_m2();
-        links(&track).into_iter().for_each(|(from, to)| swept.take_out(from, to));
+        for (from, to) in links(&track) {
+            swept.take_out(from, to);
+        }
         if swept.unswept_m2() - before_m2 >= least_yield * width_m * track.length_m() {
-            links(&track).into_iter().for_each(|(from, to)| swept.put_in(from, to));
+            for (from, to) in links(&track) {
+                swept.put_in(from, to);
+            }
             kept.push(track);
         }
     }

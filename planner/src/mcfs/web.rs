@@ -215,7 +215,9 @@ impl Web {
         for start in 0..self.len() as u32 {
             if !seen[start as usize] {
                 let line = self.closed_line(start);
-                line.iter().for_each(|&place| seen[place as usize] = true);
+                for &place in &line {
+                    seen[place as usize] = true;
+                }
                 lines.push(line);
             }
         }

@@ -137,7 +137,9 @@ impl<'a> Rest<'a> {
         let mut new: Vec<Point> = out.chain(back).collect();
         new.push(points[detour.after]);
         let swept = [&points[detour.after..=detour.after], &new[..]].concat();
-        points.splice(detour.after + 1..detour.after + 1, new);
+        let behind = points.split_off(detour.after + 1);
+        points.extend(new);
+        points.extend(behind);
         self.sweep(&swept);
     }
 }
