@@ -29,7 +29,6 @@ pub(super) enum Anchor {
 /// A box with a scale on its left.
 pub(super) struct Frame {
     pub(super) left_px: f64,
-    pub(super) width_px: f64,
     pub(super) axis: Axis,
 }
 
@@ -52,7 +51,7 @@ impl Sheet {
 
     /// A frame right of all others, with the lines of its scale.
     pub(super) fn frame(&mut self, title: &str, width_px: f64, axis: Axis) -> Frame {
-        let frame = Frame { left_px: self.right_px + LEFT_PX, width_px, axis };
+        let frame = Frame { left_px: self.right_px + LEFT_PX, axis };
         for (value, word) in axis.marks() {
             let y = frame.y_px(value);
             self.line([(frame.left_px, y), (frame.left_px + width_px, y)].into_iter(), "#ddd", 1.0);
