@@ -168,8 +168,7 @@ mod tests {
         };
         let path = folder.join("mcfs/measured.csv");
         let text = std::fs::read_to_string(path).unwrap();
-        let text: String =
-            text.lines().filter(|line| !line.starts_with('#')).map(|l| format!("{l}\n")).collect();
+        let text: String = text.lines().filter(|line| !line.starts_with('#')).collect::<Vec<_>>().join("\n");
         let mut reader = csv::Reader::from_reader(text.as_bytes());
         let measured: Vec<Measured> = reader.deserialize().map(Result::unwrap).collect();
         let stored: Vec<_> = measured.iter().filter(|row| row.method == "MCFS-BOTH (stored)").collect();
