@@ -28,7 +28,7 @@ fn rounded(request: &PlanRequest) -> Result<VerifiedPlan, PlanError> {
     on_lattice.options = PlanOptions { planner: "tmstc-star".to_owned(), ..request.options.clone() };
     on_lattice.incumbent.clear();
     let plan = on_lattice.run()?;
-    let routes = plan.routes().iter().map(|route| Route { points: round(request, &route.points) }).collect();
+    let routes = plan.routes().iter().map(|route| Route::new(round(request, &route.points))).collect();
     let mut instance = request.instance().with_open_starts();
     instance.coverage_min = 0.9;
     let unsupported =

@@ -82,7 +82,7 @@ pub(super) fn cover(
     let inner_m: Vec<[f64; 2]> =
         cells.iter().map(|cell| cell.paths.each_ref().map(|path| path.length_m)).collect();
     let mut routes: Vec<Route> =
-        instance.starts.iter().map(|start| Route { points: vec![instance.place(start)] }).collect();
+        instance.starts.iter().map(|start| Route::new(vec![instance.place(start)])).collect();
     for group in robots::groups(&distances, cells.len(), instance.starts.len()) {
         let Some(&first) = group.robots.first() else { continue };
         let costs = |robot: usize| Costs {

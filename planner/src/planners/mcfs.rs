@@ -21,7 +21,7 @@ pub(crate) fn plan(instance: &Instance<'_>, options: &PlanOptions) -> Result<Pla
         return Err(refused("only part of the ground is to be covered; a grid planner can"));
     }
     let places: Vec<Point> = instance.starts.iter().map(|start| instance.place(start)).collect();
-    let mut routes: Vec<Route> = places.iter().map(|&place| Route { points: vec![place] }).collect();
+    let mut routes: Vec<Route> = places.iter().map(|&place| Route::new(vec![place])).collect();
     for part in open_ground(instance, map) {
         cover_part(instance, part, &places, options, &mut routes)?;
     }
