@@ -232,14 +232,22 @@ fn of_mcfs(name: &str, planner: &str, faults: &str) -> Option<Arc<Scenario>> {
     Some(Arc::new(scenario))
 }
 
+fn is_completed_with_a_robot_killed(name: &str) {
+    let kill = "[[fault]]\nkind = \"kill\"\nrobot = \"r2\"\nwhen_covered_percent = 50.0\n";
+    let Some(scenario) = of_mcfs(name, ROUNDED, kill) else { return };
+    let outcome = Rehearsal::run(&scenario, 1, options(), None).expect("the floor is sound");
+    println!("{}", outcome.transcript.text());
+    assert_eq!(outcome.violations, [], "{}", outcome.transcript.text());
+    assert_eq!((state_of(&outcome), outcome.contacts), ("COMPLETED", 0), "{}", outcome.transcript.text());
+}
+
 #[test]
-fn polygons_with_a_robot_killed_half_way_are_completed() {
-    for name in ["double_torus", "office"] {
-        let kill = "[[fault]]\nkind = \"kill\"\nrobot = \"r2\"\nwhen_covered_percent = 50.0\n";
-        let Some(scenario) = of_mcfs(name, ROUNDED, kill) else { return };
-        let outcome = Rehearsal::run(&scenario, 1, options(), None).expect("the floor is sound");
-        println!("{}", outcome.transcript.text());
-        assert_eq!(outcome.violations, [], "{}", outcome.transcript.text());
-        assert_eq!((state_of(&outcome), outcome.contacts), ("COMPLETED", 0), "{}", outcome.transcript.text());
-    }
+fn the_two_torus_with_a_robot_killed_half_way_is_completed() {
+    is_completed_with_a_robot_killed("double_torus");
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn the_office_of_mcfs_with_a_robot_killed_half_way_is_completed() {
+    is_completed_with_a_robot_killed("office");
 }
