@@ -12,7 +12,7 @@ use crate::{
 };
 use terrain::{Point, Segment};
 
-/// A lane is worth driving if it sweeps this share of a square.
+/// A lane is worth driving if it sweeps this share of the squares along it.
 const WORTH: f64 = 0.25;
 /// A lane in the middle that sweeps this share of what is left need not move aside.
 const GOOD: f64 = 0.995;
@@ -139,7 +139,9 @@ impl Lines<'_, '_> {
         let mut found = OnLine::default();
         for (from_m, to_m) in self.space.slice(line) {
             let (begin, end, gain) = needed(samples, across_m, radius_m, low_m + from_m, low_m + to_m);
-            if gain < worth.max(1) {
+            // A long lane has to sweep as much on each square of its length.
+            let squares = 1.0 + (end - begin).max(0.0) / self.lattice.side_m;
+            if gain == 0 || (gain as f64) < worth as f64 * squares {
                 continue;
             }
             let middle = self.point(f64::midpoint(begin, end), across_m);
