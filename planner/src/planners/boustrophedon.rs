@@ -144,12 +144,16 @@ fn go(transfers: &mut Transfers<'_, '_>, points: &mut Vec<Point>, to: Point) -> 
     Ok(())
 }
 
-/// Back to the start where that is asked for; a robot that does nothing has no route.
+/// Back to the start where that is asked for; a robot that does nothing has no route. One that only stands in a cell to visit
+/// sweeps it.
 fn finish(transfers: &mut Transfers<'_, '_>, robot: usize, route: &mut Route) -> Result<(), PlanError> {
     let instance = transfers.space().instance();
     route.points.dedup_by(|a, b| (*a - *b).norm() < 1e-9);
     if route.points.len() < 2 {
-        route.points.clear();
+        let start = instance.floor.lattice().index(instance.starts[robot].cell);
+        if start.is_none_or(|cell| !instance.visit[cell]) {
+            route.points.clear();
+        }
         return Ok(());
     }
     if instance.mode == Mode::CoverAndReturn {

@@ -35,16 +35,16 @@ enum Trip {
 pub(super) fn visit_gaps(transfers: &mut Transfers<'_, '_>, plan: &mut Plan) {
     let instance = transfers.space().instance();
     while let Err(VerifyError::Gap(cell)) = verify(instance, plan) {
-        let points = |plan: &Plan| plan.routes.iter().map(|route| route.points.len()).sum::<usize>();
-        let before = points(plan);
+        let before = plan.clone();
         for (route, start) in plan.routes.iter_mut().zip(&instance.starts) {
             if route.points.is_empty() {
                 route.points.push(instance.place(start));
             }
         }
         side_trip(transfers, &mut plan.routes, instance.center(cell), &[Trip::OutAndBack]);
-        plan.routes.iter_mut().filter(|route| route.points.len() < 2).for_each(|route| route.points.clear());
-        if points(plan) == before {
+        let idle = plan.routes.iter_mut().zip(&before.routes).filter(|(route, _)| route.points.len() < 2);
+        idle.for_each(|(route, before)| route.clone_from(before));
+        if *plan == before {
             return;
         }
     }
