@@ -220,7 +220,7 @@ mod tests {
 
     /// `RANDOM_INSTANCES=10000 cargo test -p planner leaves_no_gap` for a long run.
     fn random_instances() -> u32 {
-        std::env::var("RANDOM_INSTANCES").ok().and_then(|count| count.parse().ok()).unwrap_or(400)
+        std::env::var("RANDOM_INSTANCES").ok().and_then(|count| count.parse().ok()).unwrap_or(120)
     }
 
     proptest! {

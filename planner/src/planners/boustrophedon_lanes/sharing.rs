@@ -121,7 +121,7 @@ impl Sweeping<'_, '_, '_> {
 }
 
 fn stretches(instance: &Instance<'_>, robots: usize, stops: &[Stop]) -> Vec<Stretch> {
-    let length_m: f64 = stops.iter().map(|stop| stop.lane.length_m()).sum();
+    let length_m: f64 = stops.iter().map(|stop| (stop.lane.to - stop.lane.from).norm()).sum();
     let most_m = (length_m / robots as f64 * SHARE_MAX).max(TOOLS_MIN * instance.floor.tool_width_m());
     stops.iter().flat_map(|stop| in_parts(instance, stop.lane.from, stop.lane.to, most_m)).collect()
 }
