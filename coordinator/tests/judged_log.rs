@@ -92,7 +92,7 @@ fn a_body_in_a_wall_is_seen_once() {
             && (2.0..3.0).contains(&at_s)
             && let Some(pose) = &mut truth.bodies[0].pose
         {
-            pose.y_m -= 0.05;
+            pose.y_m -= 0.1;
         }
     });
     assert_eq!(verdict.contacts.walls_entered, 1, "{verdict}");

@@ -75,7 +75,7 @@ pub fn run_info() -> RunInfo {
             id: "story".to_owned(),
             map: Arc::new(map),
             cell_m: CELL_M,
-            body_radius_m: 0.12,
+            body_radius_m: 0.07,
             tool_width_m: 0.4,
             stations: vec![Station { id: "dock1".to_owned(), position: Point::new(0.375, 0.375) }],
             planner: "stc".to_owned(),
@@ -173,7 +173,7 @@ fn factsheet(robot: usize) -> v1::Factsheet {
     v1::Factsheet {
         header: Some(header(robot, 0.0)),
         series_name: "story".to_owned(),
-        body_radius_m: 0.12,
+        body_radius_m: 0.07,
         tool_width_m: 0.4,
         speed_max_m_per_s: SPEED_M_PER_S,
         ..Default::default()
@@ -306,7 +306,7 @@ fn status(at_s: f64) -> v1::FleetStatus {
         role: v1::RobotRole::RoleCovering as i32,
         pose: Some(pose_at(robot, at_s)),
         state_of_charge_percent: 90.0 - at_s,
-        body_radius_m: 0.12,
+        body_radius_m: 0.07,
         ..Default::default()
     };
     let zones = if at_s < 5.0 {
