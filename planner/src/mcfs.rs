@@ -94,7 +94,7 @@ pub fn cover(instance: &PolygonInstance, options: &McfsOptions) -> Result<Plan, 
         Some(target) => target::cover_share(instance, options, target),
     };
     let lines = cover.ok_or(PolygonError::TooWide { width_m: 2.0 * instance.clearance_m() })?.lines;
-    Ok(Plan { routes: lines.into_iter().map(|points| Route::new(points)).collect() })
+    Ok(Plan { routes: lines.into_iter().map(Route::new).collect() })
 }
 
 /// As [`cover`], for ground that was traced from a map: robots that fit nowhere on the tracks stay where they are.

@@ -228,17 +228,15 @@ impl Search {
                 false
             }
             Label::Odd => false,
-            Label::Even => match self.common_ancestor(from, to) {
-                Some(base) => {
+            Label::Even => {
+                if let Some(base) = self.common_ancestor(from, to) {
                     self.shrink(edge.u, base, edge.v);
-                    false
+                    return false;
                 }
-                None => {
-                    self.flip(from, to);
-                    self.flip(to, from);
-                    true
-                }
-            },
+                self.flip(from, to);
+                self.flip(to, from);
+                true
+            }
         }
     }
 

@@ -174,7 +174,7 @@ impl CellPath {
     /// One of the four ways to drive it.
     fn variant(&self, variant: usize) -> Way {
         let path = &self.paths[variant / 2];
-        if variant % 2 == 0 { path.clone() } else { path.reversed() }
+        if variant.is_multiple_of(2) { path.clone() } else { path.reversed() }
     }
 
     /// The variant that begins in the lower left corner.

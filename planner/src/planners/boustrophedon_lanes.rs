@@ -43,7 +43,6 @@ const STEPS: u64 = 15;
 const ROUNDS: usize = 4;
 
 /// Plans.
-#[expect(clippy::unnecessary_wraps, reason = "the table of planners wants it")]
 pub(super) fn plan(instance: &Instance<'_>, options: &PlanOptions) -> Result<Plan, PlanError> {
     let space = ConfigurationSpace::new(instance);
     let mut search = Search {

@@ -32,17 +32,15 @@ impl<'a> Line<'a> {
         homeward: &mut dyn Homeward,
         work: &mut Work<'a>,
     ) -> Self {
-        let apart_m = match work.is_along_lattice() {
-            true => f64::INFINITY,
-            false => APART_TOOLS * instance.floor.tool_width_m(),
-        };
+        let apart_m =
+            if work.is_along_lattice() { f64::INFINITY } else { APART_TOOLS * instance.floor.tool_width_m() };
         let (points, is_between) = with_points_between(points, apart_m);
         let works = work.drive(&points);
         let stations = 0..instance.stations.len();
         let mut ways =
             |&point: &Point| stations.clone().map(|station| homeward.way(point, station)).collect();
         let ways = points.iter().map(&mut ways).collect();
-        Self { instance, robot, works, ways, points, is_between }
+        Self { instance, robot, points, is_between, works, ways }
     }
 
     /// The route with its charges.

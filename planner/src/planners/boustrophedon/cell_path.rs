@@ -210,7 +210,9 @@ fn back_and_forth(lanes: &[Vec<Segment>], odd: usize, transfers: &mut Transfers<
         let mut pieces: Vec<(Point, Point)> = lane.iter().map(|piece| (piece.from, piece.to)).collect();
         if to_the_left {
             pieces.reverse();
-            pieces.iter_mut().for_each(|(from, to)| std::mem::swap(from, to));
+            for (from, to) in &mut pieces {
+                std::mem::swap(from, to);
+            }
         }
         for (from, to) in pieces {
             if let Some(&last) = points.last() {

@@ -55,19 +55,19 @@ pub(super) struct Costs<'a> {
 }
 
 impl Costs<'_> {
-    fn from_station(&self, to: Stop) -> f64 {
+    fn out_m(&self, to: Stop) -> f64 {
         self.distances.between(self.station, to.entry())
     }
 
-    fn to_station(&self, from: Stop) -> f64 {
+    fn home_m(&self, from: Stop) -> f64 {
         if self.returns { self.distances.between(from.exit(), self.station) } else { 0.0 }
     }
 
     pub(super) fn way(&self, from: Option<Stop>, to: Option<Stop>) -> f64 {
         match (from, to) {
             (Some(from), Some(to)) => self.distances.between(from.exit(), to.entry()),
-            (None, Some(to)) => self.from_station(to),
-            (Some(from), None) => self.to_station(from),
+            (None, Some(to)) => self.out_m(to),
+            (Some(from), None) => self.home_m(from),
             (None, None) => 0.0,
         }
     }
@@ -150,9 +150,9 @@ fn choose_variants(costs: &Costs<'_>, tour: &mut [Stop]) {
         let (mut next, mut by) = ([f64::INFINITY; 4], [0; 4]);
         for variant in 0..4 {
             let stop = Stop { variant, ..tour[at] };
-            for before in 0..4 {
+            for (before, so_far) in reached.iter().enumerate() {
                 let last = at.checked_sub(1).map(|at| Stop { variant: before, ..tour[at] });
-                let length = reached[before] + costs.way(last, Some(stop)) + costs.inner(stop);
+                let length = so_far + costs.way(last, Some(stop)) + costs.inner(stop);
                 if length < next[variant] {
                     (next[variant], by[variant]) = (length, before);
                 }
@@ -162,7 +162,7 @@ fn choose_variants(costs: &Costs<'_>, tour: &mut [Stop]) {
         came_by.push(by);
     }
     let Some(&last) = tour.last() else { return };
-    let end = |variant: &usize| reached[*variant] + costs.to_station(Stop { variant: *variant, ..last });
+    let end = |variant: &usize| reached[*variant] + costs.home_m(Stop { variant: *variant, ..last });
     let mut variant = (0..4).min_by(|a, b| end(a).total_cmp(&end(b))).expect("there are four");
     for at in (0..tour.len()).rev() {
         tour[at].variant = variant;

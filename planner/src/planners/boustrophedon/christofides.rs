@@ -10,10 +10,10 @@ pub(super) fn christofides(nodes: usize, distance: impl Fn(usize, usize) -> f64)
     }
     let mut edges = spanning_tree(nodes, &distance);
     let mut degree = vec![0; nodes];
-    edges.iter().for_each(|&(one, other)| {
+    for &(one, other) in &edges {
         degree[one] += 1;
         degree[other] += 1;
-    });
+    }
     let odd: Vec<usize> = (0..nodes).filter(|&node| degree[node] % 2 == 1).collect();
     let mates = minimum_perfect_matching(odd.len(), |one, other| distance(odd[one], odd[other]));
     edges.extend((0..odd.len()).filter(|&at| at < mates[at]).map(|at| (odd[at], odd[mates[at]])));
@@ -71,19 +71,14 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn shortest(
-        points: &[(f64, f64)],
-        at: usize,
-        left: &mut Vec<usize>,
-        way: &impl Fn(usize, usize) -> f64,
-    ) -> f64 {
+    fn shortest(at: usize, left: &mut Vec<usize>, way: &impl Fn(usize, usize) -> f64) -> f64 {
         if left.is_empty() {
             return way(at, 0);
         }
         let mut least = f64::INFINITY;
         for number in 0..left.len() {
             let next = left.swap_remove(number);
-            least = least.min(way(at, next) + shortest(points, next, left, way));
+            least = least.min(way(at, next) + shortest(next, left, way));
             left.push(next);
             let last = left.len() - 1;
             left.swap(number, last);
@@ -105,7 +100,7 @@ mod tests {
             prop_assert_eq!(all, (0..points.len()).collect::<Vec<_>>());
             let next = tour.iter().cycle().skip(1);
             let length: f64 = tour.iter().zip(next).map(|(&one, &other)| way(one, other)).sum();
-            let best = shortest(&points, 0, &mut (1..points.len()).collect(), &way);
+            let best = shortest(0, &mut (1..points.len()).collect(), &way);
             prop_assert!(length <= 1.5 * best + 0.01, "{} {}", length, best);
         }
     }

@@ -121,8 +121,8 @@ pub(super) fn pieces(ground: &Raster) -> (Vec<u32>, usize) {
 
 /// Numbers of the squares beside a square.
 pub(super) fn neighbours(at: usize, columns: usize, squares: usize) -> impl Iterator<Item = usize> {
-    let left = (at % columns > 0).then(|| at - 1);
-    let right = ((at + 1) % columns > 0).then_some(at + 1);
+    let left = (!at.is_multiple_of(columns)).then(|| at - 1);
+    let right = (!(at + 1).is_multiple_of(columns)).then_some(at + 1);
     let below = at.checked_sub(columns);
     let above = (at + columns < squares).then_some(at + columns);
     [left, right, below, above].into_iter().flatten()

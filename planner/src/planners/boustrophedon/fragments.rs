@@ -81,6 +81,7 @@ impl Fragments {
 }
 
 /// What some fragments take of a row.
+#[allow(clippy::struct_field_names, reason = "a row has a number, and that is called its row")]
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Row {
     pub(super) row: u32,
@@ -143,7 +144,9 @@ impl Adjacency {
             of[one as usize].push((other, length));
             of[other as usize].push((one, length));
         }
-        of.iter_mut().for_each(|list| list.sort_unstable());
+        for list in &mut of {
+            list.sort_unstable();
+        }
         Self { of }
     }
 }
@@ -189,7 +192,9 @@ fn renumbered(mut raster: Raster, least_area: u32) -> Raster {
         }
         let piece = connected(first, &old, &mut seen, columns);
         if piece.len() >= least_area as usize {
-            piece.iter().for_each(|&square| labels[square] = count);
+            for &square in &piece {
+                labels[square] = count;
+            }
             count += 1;
         }
     }

@@ -79,9 +79,13 @@ pub(super) fn cell_raster(ground: &Raster, least: Least) -> Raster {
     loop {
         let cells = cells(&raster);
         let (small, large): (Vec<_>, Vec<_>) = cells.iter().partition(|cell| cell.is_less_than(least));
-        small.iter().for_each(|cell| paint(&mut raster, cell, Some(NONE)));
+        for cell in &small {
+            paint(&mut raster, cell, Some(NONE));
+        }
         if small.is_empty() {
-            large.iter().for_each(|cell| paint(&mut raster, cell, None));
+            for cell in &large {
+                paint(&mut raster, cell, None);
+            }
             return raster;
         }
     }

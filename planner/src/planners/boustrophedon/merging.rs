@@ -19,7 +19,7 @@ pub(super) fn merged(
     }
     while let Some(offer) = pass.offers.pop() {
         if pass.is_open(offer.pair.0) && pass.is_open(offer.pair.1) {
-            let region = pass.merge(offer);
+            let region = pass.merge(&offer);
             pass.consider(region, cost);
         }
     }
@@ -87,7 +87,7 @@ impl Pass {
         }
     }
 
-    fn merge(&mut self, offer: Offer) -> usize {
+    fn merge(&mut self, offer: &Offer) -> usize {
         let (one, other) = offer.pair;
         let take = |slot: &mut Option<Region>| slot.take().expect("both are open").members;
         let members = union(&take(&mut self.regions[one]), &take(&mut self.regions[other]));

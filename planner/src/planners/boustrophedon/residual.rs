@@ -197,7 +197,8 @@ fn side_trip(transfers: &mut Transfers<'_, '_>, routes: &mut [Route], stop: Poin
     }
     let Some((_, branch, made)) = best else { return };
     let points = &mut routes[branch.robot].points;
-    points.splice(branch.at + 1..branch.at + 1, made);
+    let behind = branch.at + 1;
+    points.splice(behind..behind, made);
     points.dedup_by(|a, b| (*a - *b).norm() < 1e-9);
 }
 

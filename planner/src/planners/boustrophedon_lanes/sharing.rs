@@ -50,7 +50,9 @@ pub(super) fn share(
         Some(_) if robots.len() > 1 => shared_with_charges(sweeping, &mut routing, robots, plain)?,
         _ => plain,
     };
-    routes.iter().for_each(|route| sweeping.ground.sweep(&route.points));
+    for route in &routes {
+        sweeping.ground.sweep(&route.points);
+    }
     robots.iter().zip(routes).for_each(|(&robot, route)| plan.routes[robot] = route);
     Ok(())
 }
@@ -104,12 +106,18 @@ impl Sweeping<'_, '_, '_> {
         let goal = instance.coverage_min + COVERAGE_MARGIN;
         for _ in 0..ROUNDS {
             let routes = routing.routes()?;
-            routes.iter().for_each(|route| self.ground.sweep(&route.points));
+            for route in &routes {
+                self.ground.sweep(&route.points);
+            }
             let enough = self.ground.coverage() >= goal.min(1.0);
             let added =
                 if enough { Vec::new() } else { residue::lanes(self.space, self.ground, self.lattice, goal) };
-            routes.iter().for_each(|route| self.ground.unsweep(&route.points));
-            added.iter().for_each(|lane| self.ground.unsweep(&[lane.from, lane.to]));
+            for route in &routes {
+                self.ground.unsweep(&route.points);
+            }
+            for lane in &added {
+                self.ground.unsweep(&[lane.from, lane.to]);
+            }
             if added.is_empty() {
                 return Ok(routes);
             }
