@@ -2,7 +2,7 @@
 //! `scenarios/airport_hall.toml` with 10, 20 and 30 walkers, with and without batteries, mean of some days.
 //!
 //! `cargo run -p sim --no-default-features --example coverage_over_time -- FOLDER [DAYS] [PLANNER]` writes
-//! `coverage_over_time.csv` and `.svg` into the folder, and prints the table of `docs/benchmarks/people.md`.
+//! `coverage_over_time.csv` and `.svg` into the folder, and prints a table.
 
 #![expect(clippy::print_stdout, reason = "an example says what it found")]
 
