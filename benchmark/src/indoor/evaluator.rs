@@ -43,15 +43,29 @@ pub(crate) struct Evaluator<'a> {
     coverable: Vec<bool>,
 }
 
+/// A radius in pixels. Where it is a whole number of them, the rim counts as it does in the notes: if that many times
+/// the side of a pixel, as a floating-point number, is no more than the radius.
+fn in_pixels(radius_m: f64, resolution_m: f64) -> f64 {
+    let pixels = radius_m / resolution_m;
+    let whole = pixels.round();
+    if (pixels - whole).abs() > 1e-6 {
+        pixels
+    } else if whole * resolution_m <= radius_m {
+        whole + 1e-9
+    } else {
+        whole - 1e-9
+    }
+}
+
 impl<'a> Evaluator<'a> {
     pub(crate) fn new(map: &'a GridMap, robot: Robot) -> Self {
         let size = [map.columns() as usize, map.rows() as usize];
-        let radius = robot.radius_m / map.resolution_m() + 1e-9;
+        let radius = in_pixels(robot.radius_m, map.resolution_m());
         let blocked: Vec<bool> = pixels(map).map(|(x, y)| !map.is_free(x, y)).collect();
         let near_walls = grown(&blocked, size, radius, true);
         let fits: Vec<bool> = near_walls.iter().map(|near| !near).collect();
         let feasible = largest_piece(&fits, size);
-        let tool = robot.tool_width_m / 2.0 / map.resolution_m() - 1e-9;
+        let tool = in_pixels(robot.tool_width_m / 2.0, map.resolution_m());
         let touched = grown(&feasible, size, tool, false);
         let coverable = touched.iter().zip(&blocked).map(|(touched, blocked)| *touched && !blocked).collect();
         Self { map, robot, feasible, coverable }

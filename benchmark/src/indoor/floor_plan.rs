@@ -142,8 +142,7 @@ mod tests {
             let floor_plan = FloorPlan::load(folder, name).unwrap();
             let (ours, notes) = (floor_plan.evaluator().coverable_m2(), floor_plan.coverable_area_m2);
             println!("{name}: {ours:.2} {notes:.2}");
-            // Where a radius is a whole number of pixels, rounding decides whether the rim counts.
-            assert!((ours / notes - 1.0).abs() < 5e-3, "{name}: {ours} {notes}");
+            assert!((ours / notes - 1.0).abs() < 1e-3, "{name}: {ours} {notes}");
         }
     }
 }
