@@ -43,6 +43,7 @@ const STEPS: u64 = 15;
 const ROUNDS: usize = 4;
 
 /// Plans.
+#[allow(clippy::unnecessary_wraps, reason = "the table of planners wants it")]
 pub(super) fn plan(instance: &Instance<'_>, options: &PlanOptions) -> Result<Plan, PlanError> {
     let space = ConfigurationSpace::new(instance);
     let mut search = Search {
@@ -139,6 +140,7 @@ impl Search<'_, '_> {
     }
 
     /// Routes for all robots; several on one piece of ground share its tour.
+    #[allow(clippy::unnecessary_wraps, reason = "as the planner's own answer")]
     fn divided(
         &mut self,
         tours: &[Tour],
@@ -148,19 +150,21 @@ impl Search<'_, '_> {
         let mut plan = Plan { routes: vec![Route::default(); self.instance.starts.len()] };
         sweep_all(&mut self.ground, tours);
         for tour in tours {
-            if tour.robots.len() == 1 {
-                splitting::divide(&mut self.transfers, self.instance, &tour.robots, &tour.stops, &mut plan);
-                continue;
-            }
             let mut sweeping = sharing::Sweeping { space: self.space, ground: &mut self.ground, lattice };
-            sharing::share(
-                &mut sweeping,
-                &mut self.transfers,
-                &tour.robots,
-                &tour.stops,
-                options,
-                &mut plan,
-            )?;
+            let is_shared = tour.robots.len() > 1
+                && sharing::share(
+                    &mut sweeping,
+                    &mut self.transfers,
+                    &tour.robots,
+                    &tour.stops,
+                    options,
+                    &mut plan,
+                )
+                .is_ok();
+            // Where sharing finds no way between two lanes, the tour still has one.
+            if !is_shared {
+                splitting::divide(&mut self.transfers, self.instance, &tour.robots, &tour.stops, &mut plan);
+            }
         }
         Ok(plan)
     }
