@@ -8,7 +8,8 @@
 //! body priced by the time of their turns, and improve it by local search. Look at what the whole way leaves unswept, add short
 //! lanes for it where most is gained, until the coverage asked for is reached, and improve the tour again.
 //! **Guarantee.** The lanes are a minimum for the lattice (the code asserts that the cut is the number of runs). The coverage
-//! asked for is reached wherever the body gets; no way touches a wall. None on the length of the tour.
+//! asked for is aimed at, not guaranteed: verify refuses plans that miss it, and on small ragged floors with more robots than
+//! work some do. No way touches a wall. None on the length of the tour.
 //! **Complexity.** O(E √V) for the cut of V squares, O(n) bounded searches for the ways between the ends of n lanes.
 //! **Paper.** H. Choset: Coverage of known spaces: the boustrophedon cellular decomposition. Autonomous Robots 9, 2000, is where the
 //! motion comes from; lanes instead of cells and the cut are ours.
