@@ -148,6 +148,17 @@ pub fn accept(
     Ok(VerifiedPlan::new(plan, figures, planner))
 }
 
+/// Puts charges into a plan that was made without them, break-off by break-off along the very same tours, and verifies
+/// what comes of it. Nothing happens to it where the instance has no battery.
+///
+/// # Errors
+///
+/// [`PlanError::OutOfRange`], naming the place that the battery does not last for; [`PlanError::Refuted`].
+pub fn recharge(instance: &Instance<'_>, plan: &VerifiedPlan) -> Result<VerifiedPlan, PlanError> {
+    instance.check()?;
+    checked(&instance.with_open_starts(), Plan { routes: plan.routes().to_vec() }, plan.planner())
+}
+
 fn checked(
     instance: &Instance<'_>,
     mut plan: Plan,

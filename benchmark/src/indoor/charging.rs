@@ -5,7 +5,7 @@ use crate::{
     BenchmarkError, Options, Progress, Table, content,
     tables::{mean, ratio, tenths},
 };
-use planner::{Battery, BreakOff, Instance, Mode, PlanError, PlanOptions, Station, VerifiedPlan, plan};
+use planner::{Battery, BreakOff, Instance, Mode, PlanError, PlanOptions, Station, VerifiedPlan, plan, recharge};
 use std::{cmp::Reverse, collections::BinaryHeap, path::Path};
 use terrain::Cell;
 
@@ -74,7 +74,7 @@ impl Runs {
         for capacity_s in floor_plan.capacities_s.iter().copied().flatten() {
             let by = |break_off| -> Result<(f64, usize), PlanError> {
                 let battery = Battery { break_off, ..Battery::lasting_s(capacity_s) };
-                let plan = planned(floor_plan, &[station], Some(battery), 0)?;
+                let plan = recharge(&instance(floor_plan, &[station], Some(battery)), &free)?;
                 Ok((plan.figures().makespan_s, plan.figures().charges[0]))
             };
             runs.limited.push([by(BreakOff::Latest)?, by(BreakOff::Optimal)?]);
@@ -120,12 +120,7 @@ fn push_mean(table: &mut Table) {
 }
 
 /// Robots on the stations given, back there in the end; with a battery, all stations are for all.
-fn planned(
-    floor_plan: &FloorPlan,
-    stations: &[usize],
-    battery: Option<Battery>,
-    effort: u32,
-) -> Result<VerifiedPlan, PlanError> {
+fn instance<'a>(floor_plan: &'a FloorPlan, stations: &[usize], battery: Option<Battery>) -> Instance<'a> {
     let starts = stations.iter().map(|&station| floor_plan.start(station)).collect();
     let mut instance =
         Instance::whole_floor(&floor_plan.floor, starts, floor_plan.motion(), Mode::CoverAndReturn);
@@ -133,6 +128,16 @@ fn planned(
     instance.battery = battery;
     let charger = |start: &planner::Start| Station { point: start.point, ..Station::at(start.cell) };
     instance.stations = instance.starts.iter().map(charger).collect();
+    instance
+}
+
+fn planned(
+    floor_plan: &FloorPlan,
+    stations: &[usize],
+    battery: Option<Battery>,
+    effort: u32,
+) -> Result<VerifiedPlan, PlanError> {
+    let instance = instance(floor_plan, stations, battery);
     let options = PlanOptions { planner: PLANNER.to_owned(), effort, ..PlanOptions::default() };
     plan(&instance, &options)
 }
