@@ -1,5 +1,7 @@
 //! `oxplow bench`: the planners on the instances of the papers, side by side with the printed figures.
 
+mod people;
+
 use crate::say::say;
 use anyhow::{Context as _, Result, bail};
 use benchmark::{BENCHMARKS, Benchmark, Options, Table};
@@ -40,8 +42,13 @@ pub struct BenchArgs {
     docs: Option<PathBuf>,
 }
 
+/// Those of planners alone, and those that need the fleet.
+fn benchmarks() -> impl Iterator<Item = &'static Benchmark> {
+    BENCHMARKS.iter().chain([&people::PEOPLE])
+}
+
 fn names() -> impl Iterator<Item = &'static str> {
-    BENCHMARKS.iter().map(|benchmark| benchmark.name)
+    benchmarks().map(|benchmark| benchmark.name)
 }
 
 /// Runs the command.
@@ -50,7 +57,7 @@ fn names() -> impl Iterator<Item = &'static str> {
 ///
 /// When instances cannot be read or results cannot be written.
 pub fn run(args: &BenchArgs) -> Result<ExitCode> {
-    let benchmark = BENCHMARKS.iter().find(|benchmark| benchmark.name == args.name);
+    let benchmark = benchmarks().find(|benchmark| benchmark.name == args.name);
     let benchmark = benchmark.expect("clap takes names of the table only");
     let options = Options { instances: args.instances.clone(), quick: args.quick, effort: args.effort };
     let bar = ProgressBar::new_spinner()

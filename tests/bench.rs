@@ -64,6 +64,16 @@ fn grid_instances() {
 }
 
 #[test]
+fn a_hall_with_people() {
+    let Some(text) = quick("people") else { return };
+    let rows = rows(&text, 0, "10");
+    assert_eq!(rows.len(), 1, "{text}");
+    let covered_percent: f64 = rows[0][2].parse().expect("a number");
+    assert!(covered_percent > 5.0, "a quick run sees the begin of the day: {text}");
+    assert_eq!([&rows[0][8], &rows[0][10]], ["0", "0"], "contacts, stranded: {text}");
+}
+
+#[test]
 fn missing_instances_are_named_with_the_way_out() {
     let output = bench(&["tmstc", "--instances", "/nowhere"]);
     let said = String::from_utf8_lossy(&output.stderr).into_owned();

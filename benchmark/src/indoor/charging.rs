@@ -5,7 +5,9 @@ use crate::{
     BenchmarkError, Options, Progress, Table, content,
     tables::{mean, ratio, tenths},
 };
-use planner::{Battery, BreakOff, Instance, Mode, PlanError, PlanOptions, Station, VerifiedPlan, plan, recharge};
+use planner::{
+    Battery, BreakOff, Instance, Mode, PlanError, PlanOptions, Station, VerifiedPlan, plan, recharge,
+};
 use std::{cmp::Reverse, collections::BinaryHeap, path::Path};
 use terrain::Cell;
 
