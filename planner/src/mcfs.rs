@@ -46,7 +46,7 @@ mod tracks;
 mod walls;
 mod web;
 
-pub use polygon_instance::{PolygonError, PolygonInstance, RingName};
+pub use polygon_instance::{PolygonError, PolygonInstance};
 
 use crate::{Plan, Route};
 use drive::{Drives, Neighbours};

@@ -20,12 +20,20 @@ pub struct GridMap {
 #[derive(Debug, Clone, Error, PartialEq)]
 pub enum MapError {
     /// The text or picture breaks the format at this line (1 = first; 0 = the file as a whole).
-    #[error("line {line}: {what}")]
+    #[error("{}{what}", at_line(*line))]
     Format {
         /// Line in the file, from 1; 0 when the file as a whole is meant.
         line: usize,
         /// What is wrong, and what was expected.
         what: String,
+    },
+    /// A polygon whose rings bound no ground.
+    #[error("polygon {polygon}: {source}")]
+    Rings {
+        /// Number of the polygon in the file, from 0.
+        polygon: usize,
+        /// What is wrong with it.
+        source: crate::RingError,
     },
     /// The map has more squares than we take.
     #[error("the map has {columns} x {rows} squares; at most {SQUARES_MAX} are taken")]
@@ -48,6 +56,10 @@ pub enum MapError {
     /// There is no free square.
     #[error("the map has no free square")]
     NothingFree,
+}
+
+fn at_line(line: usize) -> String {
+    if line == 0 { String::new() } else { format!("line {line}: ") }
 }
 
 impl GridMap {

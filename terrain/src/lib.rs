@@ -22,6 +22,7 @@ mod map_file;
 mod motion;
 mod movingai;
 mod polygon;
+mod rings;
 mod ros_map;
 mod segment;
 mod stretch;
@@ -35,6 +36,7 @@ pub use map_file::{FILE_BYTES_MAX, MapFile, MapFileError};
 pub use motion::{MotionModel, angle_between};
 pub use movingai::parse_movingai;
 pub use polygon::{CORNERS_MAX, Polygons};
+pub use rings::{RingError, RingName, check_rings, rings};
 pub use segment::Segment;
 pub use stretch::{CORNER_RAD, CUT_M, Speeds, Stretch};
 

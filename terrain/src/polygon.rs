@@ -7,7 +7,10 @@
 //!   +--------+      ........
 //! ```
 
-use crate::{GridMap, MapError, Point};
+use crate::{
+    GridMap, MapError, Point,
+    rings::{check_area, check_rings, rings},
+};
 use geo::{BoundingRect, Coord, CoordsIter, LineString, LinesIter, MultiPolygon, Polygon, Validation};
 use geojson::{GeoJson, GeometryValue};
 use serde::Deserialize;
@@ -62,7 +65,7 @@ impl Polygons {
     ///
     /// # Errors
     ///
-    /// [`MapError::Format`], saying what is wrong.
+    /// [`MapError::Rings`], naming ring and corner, or [`MapError::Format`], saying what is wrong.
     pub fn new(polygons: MultiPolygon<f64>) -> Result<Self, MapError> {
         if polygons.0.is_empty() {
             return Err(format_error("there is no polygon in it"));
@@ -82,9 +85,11 @@ impl Polygons {
             );
             return Err(format_error(what));
         }
-        polygons
-            .check_validation()
-            .map_err(|error| format_error(format!("the rings are not sound: {error}")))?;
+        polygons.check_validation().map_err(|error| unsound(&polygons, &error.to_string()))?;
+        for (polygon, of_polygon) in polygons.iter().enumerate() {
+            let checked = rings(of_polygon).try_for_each(|(ring, line)| check_area(ring, line));
+            checked.map_err(|source| MapError::Rings { polygon, source })?;
+        }
         Ok(Self(polygons))
     }
 
@@ -222,6 +227,14 @@ fn of_geojson(file: GeoJson) -> Result<Vec<Polygon<f64>>, MapError> {
     Ok(polygons)
 }
 
+/// Names the ring and the corner at fault, which the validation does not.
+fn unsound(polygons: &MultiPolygon<f64>, otherwise: &str) -> MapError {
+    let found = polygons.iter().enumerate().find_map(|(polygon, rings)| {
+        check_rings(rings).err().map(|source| MapError::Rings { polygon, source })
+    });
+    found.unwrap_or_else(|| format_error(format!("the rings are not sound: {otherwise}")))
+}
+
 fn format_error(what: impl Into<String>) -> MapError {
     MapError::Format { line: 0, what: what.into() }
 }
@@ -260,10 +273,26 @@ mod tests {
 
     #[test]
     fn unsound_rings_are_refused() {
+        for (json, said) in [
+            (
+                r#"{"exterior": [[0,0],[2,2],[2,0],[0,2]]}"#,
+                "the exterior ring meets itself: its edge from corner 0 and the one from corner 2",
+            ),
+            (r#"{"exterior": [[0,0],[1,0]]}"#, "the exterior ring"),
+            (r#"{"exterior": [[0,0],[4,0],[8,0]]}"#, "the exterior ring"),
+            (
+                r#"{"exterior": [[0,0],[4,0],[4,3]], "holes": [[[8,8],[9,8],[9,9]]]}"#,
+                "corner 0 of hole 0 is not inside the exterior ring",
+            ),
+            (
+                r#"{"exterior": [[0,0],[4,0],[4,4],[0,4]], "holes": [[[0,1],[1,1],[1,2],[0,2]]]}"#,
+                "hole 0 touches the exterior ring at its edge from corner",
+            ),
+        ] {
+            let error = Polygons::parse(json.as_bytes()).unwrap_err().to_string();
+            assert!(error.contains(said), "{json}: {error}");
+        }
         for json in [
-            r#"{"exterior": [[0,0],[2,2],[2,0],[0,2]]}"#,
-            r#"{"exterior": [[0,0],[1,0]]}"#,
-            r#"{"exterior": [[0,0],[4,0],[4,3]], "holes": [[[8,8],[9,8],[9,9]]]}"#,
             r#"{"exterior": [[0,0],[1e300,0],[4,3]]}"#,
             r#"{"type": "Point", "coordinates": [0, 0]}"#,
             r#"{"exterior": "#,
