@@ -447,7 +447,7 @@ fn a_corner_shortly_before_a_bend_is_not_cut() {
         let at = FRAC_PI_2 * share;
         (0.25 * (1.0 - at.cos()), 0.75 + 0.25 * at.sin())
     }));
-    curve.extend([(0.5, 1.0), (2.0, 1.0), (4.0, 1.0)]);
+    curve.extend((1..9).map(|at| (0.5 * f64::from(at), 1.0)));
     for motion in [motion(), FAST] {
         drive_all("corner and bend", &curve, motion);
     }
