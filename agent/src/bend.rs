@@ -13,9 +13,9 @@
 use crate::{
     localisation::Place,
     order_book::OrderBook,
-    path_follower::{CREEP_M_PER_S, Command, REACHED_M, TICK_S, fastest},
+    path_follower::{CREEP_M_PER_S, Command, REACHED_M, TICK_S, fastest, is_on_line},
 };
-use terrain::{MotionModel, Point, Speeds, Stretch, angle_between};
+use terrain::{MotionModel, Point, Speeds, Stretch, Vector, angle_between};
 
 /// What lies farther behind than this is forgotten when the stretch grows, metres.
 const BEHIND_M: f64 = 1.2;
@@ -47,18 +47,25 @@ pub(crate) struct Bend {
 }
 
 impl Bend {
-    /// The bend that a run from `from` leads into; `None` when the base goes straight on.
-    pub(crate) fn from_run(from: Point, order: &OrderBook, model: &MotionModel) -> Option<Self> {
+    /// The bend that a run from `from` in the direction `along` leads into; `None` when the base goes straight on, or
+    /// turns a corner first.
+    pub(crate) fn from_run(
+        from: Point,
+        along: Vector,
+        order: &OrderBook,
+        model: &MotionModel,
+    ) -> Option<Self> {
         if goes_straight_on(from, order) {
             return None;
         }
-        let last = order.base().next()?;
-        let mut path = vec![(None, from)];
-        // A line of its own to the next node does not lead over the last one.
-        if (last.point - from).norm() > 1e-6 && is_between(last.point, from, order) {
-            path.push((None, last.point));
+        let last = order.base().next()?.point;
+        let (mut path, mut at_m) = (vec![(None, from)], 0.0);
+        // A line of its own to the next node does not lead over the last one; else the run may have to stop there.
+        if (last - from).dot(&along) > 1e-6 && is_on_line(last, from, along) {
+            path.push((None, last));
+            at_m = (last - from).norm();
         }
-        let bend = Self::along(path, order, model, 0.0)?;
+        let bend = Self::along(path, order, model, at_m)?;
         (!bend.stretch.is_straight()).then_some(bend)
     }
 
@@ -168,13 +175,4 @@ fn goes_straight_on(from: Point, order: &OrderBook) -> bool {
     let Some(next) = order.base().nth(1) else { return true };
     let along = (next.point - from).normalize();
     order.base().skip(2).all(|node| along.perp(&(node.point - from)).abs() < 1e-9)
-}
-
-/// Whether the last node passed lies between the beginning of a run and the next node.
-fn is_between(last: Point, from: Point, order: &OrderBook) -> bool {
-    order.base().nth(1).is_some_and(|next| {
-        let along = next.point - from;
-        let on = (last - from).dot(&along);
-        on > 0.0 && on < along.norm_squared() && along.normalize().perp(&(last - from)).abs() < 0.01
-    })
 }

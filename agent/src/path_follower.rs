@@ -27,6 +27,8 @@ const STRAIGHT_RAD: f64 = 0.03;
 const TURNED_RAD: f64 = 0.008;
 /// Farther than this off its line a standing robot drives to the next node by a line of its own, metres.
 const OFF_LINE_M: f64 = 0.03;
+/// Nodes no farther than this off the line of a run are driven over by it, metres.
+const ON_LINE_M: f64 = 0.01;
 /// How strongly heading and sideways errors are corrected, 1/s and 1/(m s).
 const HEADING_GAIN: f64 = 2.5;
 const SIDE_GAIN: f64 = 3.0;
@@ -99,8 +101,8 @@ impl PathFollower {
 
     /// A run whose base goes on in a bend becomes one.
     fn bend_where_the_base_does(&mut self, order: &OrderBook, model: &MotionModel) {
-        if let Motion::Run { from, .. } = self.motion
-            && let Some(bend) = Bend::from_run(from, order, model)
+        if let Motion::Run { from, along } = self.motion
+            && let Some(bend) = Bend::from_run(from, along, order, model)
         {
             self.motion = Motion::Bend(Box::new(bend));
         }
@@ -116,7 +118,8 @@ impl PathFollower {
             let Some(next) = order.base().nth(1).map(|node| node.point) else { return };
             let to = next - place.point();
             let behind = match &self.motion {
-                Motion::Run { along, .. } => to.dot(along) <= REACHED_M,
+                // What lies to the side of the line is not reached by driving past it.
+                Motion::Run { from, along } => to.dot(along) <= REACHED_M && is_on_line(next, *from, *along),
                 Motion::Bend(_) => return, // it passes its nodes itself
                 Motion::Rest | Motion::Turn(_) => false,
             };
@@ -202,13 +205,18 @@ impl PathFollower {
     }
 }
 
+/// Whether a place lies on the line of a run.
+pub(crate) fn is_on_line(place: Point, from: Point, along: Vector) -> bool {
+    along.perp(&(place - from)).abs() <= ON_LINE_M
+}
+
 /// How far along a line the base goes straight on, metres from its beginning.
 fn run_end(order: &OrderBook, from: Point, along: Vector) -> f64 {
     let mut end = f64::NEG_INFINITY;
     for node in order.base() {
         let to = node.point - from;
         let distance = to.dot(&along);
-        if along.perp(&to).abs() > 0.01 || distance < end - 1e-9 {
+        if !is_on_line(node.point, from, along) || distance < end - 1e-9 {
             break;
         }
         end = distance;

@@ -440,6 +440,32 @@ fn a_long_zig_zag_of_gentle_bends_and_sharp_corners_is_driven_as_planned() {
 }
 
 #[test]
+fn a_corner_shortly_before_a_bend_is_not_cut() {
+    use std::f64::consts::FRAC_PI_2;
+    let mut curve = vec![(-0.063, -0.083), (0.0, 0.0), (0.0, 0.5), (0.0, 0.75)];
+    curve.extend(sampled(8, |share| {
+        let at = FRAC_PI_2 * share;
+        (0.25 * (1.0 - at.cos()), 0.75 + 0.25 * at.sin())
+    }));
+    curve.extend((1..9).map(|at| (0.5 * f64::from(at), 1.0)));
+    for motion in [motion(), FAST] {
+        drive_all("corner and bend", &curve, motion);
+    }
+}
+
+#[test]
+fn a_spur_to_the_side_is_driven_to_its_tip() {
+    let spur = [(0.0, 0.0), (2.0, 0.0), (2.0, 0.05), (2.0, 0.09), (2.0, 0.0), (3.0, 0.0)];
+    let mut story = Story::along(&spur);
+    let mut highest_m = 0.0_f64;
+    while story.last.last_node_sequence_id < 5 && story.now.as_secs_f64() < 60.0 {
+        story.tick();
+        highest_m = highest_m.max(story.body.y);
+    }
+    assert!((0.07..0.11).contains(&highest_m), "{highest_m} m");
+}
+
+#[test]
 fn in_a_bend_it_stops_on_the_line_and_goes_on() {
     use std::f64::consts::TAU;
     let circle = sampled(120, |share| (1.0 * (TAU * share).sin(), 1.0 - (TAU * share).cos()));

@@ -200,8 +200,8 @@ impl Body {
             }
             return None;
         };
-        if (here - from).norm() < 0.002 && !now_or_never {
-            self.sweep_from = self.tool_active.then_some((from, heading_rad)); // turns in place
+        if self.tool_active && (here - from).norm() < 0.002 && !now_or_never {
+            self.sweep_from = Some((from, heading_rad)); // turns in place
             return None;
         }
         let bent = terrain::angle_between(heading, heading_rad).abs() > SWEEP_BEND_RAD;
@@ -210,7 +210,7 @@ impl Body {
             return None;
         }
         self.sweep_from = self.tool_active.then_some((here, heading_rad));
-        (self.tool_active || here != from).then(|| Segment::new(from, here))
+        Some(Segment::new(from, here))
     }
 
     /// The floor crew takes it away, and keeps it by its start.

@@ -447,6 +447,18 @@ mod tests {
     }
 
     #[test]
+    fn a_tool_that_is_on_for_a_moment_sweeps_where_it_stands() {
+        let mut world = world("..........\n..........\n..........", &[(1.25, 1.25)]);
+        drive(&mut world, 0, 0.0, 0.5, 0.1);
+        for _ in 0..50 {
+            world.step(); // the watchdog turns the tool off
+        }
+        assert!(!world.bodies[0].tool_active);
+        let cell = world.swept.lattice().index(terrain::Cell::new(2, 2)).unwrap();
+        assert_eq!(world.swept().samples(cell), u64::MAX);
+    }
+
+    #[test]
     fn a_docked_robot_is_charged_and_an_empty_one_does_not_move() {
         let mut world = world("..........\n..........\n..........", &[(1.25, 1.25), (3.25, 1.25)]);
         for body in &mut world.bodies {
