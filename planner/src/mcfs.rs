@@ -40,6 +40,7 @@ mod near;
 mod polygon_instance;
 mod sharing;
 mod smoothing;
+mod straightening;
 mod swept_counts;
 mod target;
 mod tracks;
@@ -47,6 +48,7 @@ mod walls;
 mod web;
 
 pub use polygon_instance::{PolygonError, PolygonInstance};
+pub(crate) use straightening::straightened;
 
 use crate::{Plan, Route};
 use drive::{Drives, Neighbours};

@@ -5,10 +5,13 @@
 
 use super::mcfs_rest::visit_rest;
 use crate::isograph::{SpiralError, SpiralOptions, plan_spirals};
-use crate::mcfs::{PolygonInstance, cover_ground};
+use crate::mcfs::{PolygonInstance, cover_ground, straightened};
 use crate::{Instance, Mode, Plan, PlanError, PlanOptions, Route};
 use geo::{BooleanOps, Contains, Coord, MultiPolygon, Polygon, Rect};
 use terrain::{GridMap, Point};
+
+/// Depth of the stairs that are taken for a slanted wall, squares of the map.
+const STAIRS_SQUARES: f64 = 1.0;
 
 pub(crate) fn plan(instance: &Instance<'_>, options: &PlanOptions) -> Result<Plan, PlanError> {
     let refused = |reason: &str| PlanError::Unsupported { planner: "mcfs", reason: reason.to_owned() };
@@ -23,6 +26,7 @@ pub(crate) fn plan(instance: &Instance<'_>, options: &PlanOptions) -> Result<Pla
     let places: Vec<Point> = instance.starts.iter().map(|start| instance.place(start)).collect();
     let mut routes: Vec<Route> = places.iter().map(|&place| Route::new(vec![place])).collect();
     for part in open_ground(instance, map) {
+        let part = with_straight_walls(part, map, &places);
         cover_part(instance, part, &places, options, &mut routes)?;
     }
     if instance.mode == Mode::Cover {
@@ -33,6 +37,14 @@ pub(crate) fn plan(instance: &Instance<'_>, options: &PlanOptions) -> Result<Pla
     }
     visit_rest(instance, &mut routes);
     Ok(Plan { routes })
+}
+
+/// The stairs of slanted walls cost turns; they stay where a robot stands among them.
+fn with_straight_walls(part: Polygon<f64>, map: &GridMap, places: &[Point]) -> Polygon<f64> {
+    let straight = straightened(&part, STAIRS_SQUARES * map.resolution_m());
+    let stands_in = |ground: &Polygon<f64>, place: &Point| ground.contains(&Coord { x: place.x, y: place.y });
+    let loses_nobody = places.iter().all(|place| stands_in(&straight, place) || !stands_in(&part, place));
+    if loses_nobody { straight } else { part }
 }
 
 fn cover_part(
