@@ -157,6 +157,7 @@ fn lines_along(
         }
     }
     sharing.settle(&mut shares, options.rounds);
+    sharing.mend_joints(&mut shares);
     let mut last = smoothed(instance, &sharing, &shares, ground_worth, None);
     let mut best = last.clone();
     for _ in 0..options.corrections {
@@ -167,6 +168,7 @@ fn lines_along(
             sharing.corrections_m[share.robot] = lengths_m[share.robot] - raw_m;
         }
         sharing.settle(&mut shares, options.rounds);
+        sharing.mend_joints(&mut shares);
         if shares == before {
             break;
         }

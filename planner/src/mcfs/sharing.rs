@@ -19,6 +19,9 @@ const EVEN: f64 = 5e-4;
 /// Way that one radian of turning at a chord is worth, as a share of the tool's width: evenness counts more.
 const TURN_WORTH: f64 = 0.4;
 
+/// The most joints that are moved in one line.
+const MENDINGS: usize = 40;
+
 /// One robot's closed line.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Share {
@@ -217,6 +220,63 @@ impl Sharing<'_> {
         }
         self.web.apply(exchange.undone());
         false
+    }
+
+    /// Moves the joints within each line to where they cost least: what evening out leaves is seldom there.
+    pub(super) fn mend_joints(&mut self, shares: &mut [Share]) {
+        for share in shares {
+            for _ in 0..MENDINGS {
+                let Some(line) = self.mended(&share.line) else { break };
+                share.line = line;
+            }
+        }
+    }
+
+    /// The line with one joint taken out and the two parts joined more cheaply.
+    fn mended(&mut self, line: &[u32]) -> Option<Vec<u32>> {
+        let mut position = vec![usize::MAX; self.web.len()];
+        line.iter().enumerate().for_each(|(at, &place)| position[place as usize] = at);
+        let worth_m = |sharing: &Self, exchange| sharing.web.cost(exchange).value_m(sharing.web.width_m);
+        let mut seen = BTreeSet::new();
+        let mut openings: Vec<(f64, Exchange)> = Vec::new();
+        for &place in line {
+            for beside in self.web.parted(place).filter(|&beside| position[beside as usize] != usize::MAX) {
+                let (one, other) = (position[place as usize], position[beside as usize]);
+                let ahead = |at: usize| line[(at + 1) % line.len()];
+                let behind = |at: usize| line[(at + line.len() - 1) % line.len()];
+                let pairs = [(ahead(one), behind(other)), (behind(one), ahead(other))];
+                for (a, (a2, b2)) in pairs.into_iter().map(|pair| (place, pair)) {
+                    let exchange = Exchange { one: (a, a2), other: (beside, b2) };
+                    let mut ends = [a, a2, beside, b2];
+                    ends.sort_unstable();
+                    if a2 == beside || b2 == a || a2 == b2 || !seen.insert(ends) {
+                        continue;
+                    }
+                    let gain_m = worth_m(self, exchange);
+                    if gain_m < -0.5 * self.web.width_m && self.web.allows(exchange, self.walls) {
+                        openings.push((gain_m, exchange));
+                    }
+                }
+            }
+        }
+        openings.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        for (opened_m, opening) in openings {
+            self.web.apply(opening);
+            let inner = self.web.closed_line(opening.one.0);
+            let outer = self.web.closed_line(opening.one.1);
+            if inner.len() < line.len() && inner.len() > 2 && outer.len() > 2 {
+                let (shorter, longer) =
+                    if inner.len() < outer.len() { (&inner, &outer) } else { (&outer, &inner) };
+                if let Some(exchange) = self.best_join(shorter, longer)
+                    && opened_m + worth_m(self, exchange) < -0.1 * self.web.width_m
+                {
+                    self.web.apply(exchange);
+                    return Some(self.web.closed_line(exchange.one.0));
+                }
+            }
+            self.web.apply(opening.undone());
+        }
+        None
     }
 
     /// Line and drives of a share, metres.
