@@ -78,7 +78,7 @@ pub struct McfsOptions {
 
 impl Default for McfsOptions {
     fn default() -> Self {
-        Self { coverage_target: None, rounds: 8, corrections: 6, paper: None }
+        Self { coverage_target: None, rounds: 12, corrections: 6, paper: None }
     }
 }
 
@@ -156,7 +156,7 @@ fn lines_along(
             shares.extend(sharing.peel(line, robots));
         }
     }
-    sharing.settle(&mut shares, options.rounds);
+    sharing.settle(&mut shares, options.rounds, true);
     sharing.mend_joints(&mut shares);
     let mut last = smoothed(instance, &sharing, &shares, ground_worth, None);
     let mut best = last.clone();
@@ -167,7 +167,7 @@ fn lines_along(
             let raw_m = sharing.cost_m(share) - sharing.corrections_m[share.robot];
             sharing.corrections_m[share.robot] = lengths_m[share.robot] - raw_m;
         }
-        sharing.settle(&mut shares, options.rounds);
+        sharing.settle(&mut shares, options.rounds, false);
         sharing.mend_joints(&mut shares);
         if shares == before {
             break;
