@@ -42,6 +42,7 @@ mod sharing;
 mod smoothing;
 mod swept_counts;
 mod target;
+mod tips;
 mod tracks;
 mod walls;
 mod web;
@@ -205,6 +206,9 @@ fn smoothed(
     }
     let (walls, width_m) = (sharing.walls, instance.tool_width_m);
     Smoothing { swept: &mut swept, walls, width_m, ground_worth }.smooth(&mut lines, &is_new);
+    for line in lines.iter_mut().zip(&is_new).filter_map(|(line, is_new)| is_new.then_some(line)) {
+        tips::round_tips(line, walls, width_m);
+    }
     Cover { coverage: swept.coverage(), lines }
 }
 
