@@ -34,6 +34,7 @@
 //! **Symbols.** l: `tool_width_m`; k: number of `starts`; A: `area_m2()`; isoline: track; stitching tuple: exchange.
 
 mod drive;
+mod gaps;
 mod joining;
 mod joint;
 mod near;
@@ -51,6 +52,7 @@ pub use polygon_instance::{PolygonError, PolygonInstance, RingName};
 
 use crate::{Plan, Route};
 use drive::{Drives, Neighbours};
+use gaps::Gaps;
 use sharing::{Share, Sharing};
 use smoothing::Smoothing;
 use swept_counts::SweptCounts;
@@ -63,6 +65,9 @@ use web::Web;
 const LEAST_STRIP: f64 = 0.6;
 /// How much more ground is worth than the way that sweeps it, when all is to be swept.
 const FULL_GROUND_WORTH: f64 = 10.0;
+
+/// By how much less the ground of a gap is worth that takes a detour.
+const GAP_DISCOUNT: f64 = 3.0;
 
 /// How to cover polygons.
 #[derive(Debug, Clone, PartialEq)]
@@ -117,6 +122,13 @@ impl Cover {
 
     fn makespan_m(&self) -> f64 {
         self.lengths_m().into_iter().fold(0.0, f64::max)
+    }
+
+    /// The makespan, and what each robot's part of the ground left is worth.
+    fn cost_m(&self, instance: &PolygonInstance, ground_worth: f64) -> f64 {
+        let robots = self.lines.len() as f64;
+        let left_m = (1.0 - self.coverage) * instance.area_m2() / (robots * instance.tool_width_m);
+        self.makespan_m() + ground_worth * left_m
     }
 }
 
@@ -174,7 +186,9 @@ fn lines_along(
             break;
         }
         last = smoothed(instance, &sharing, &shares, ground_worth, Some((&before, &last)));
-        if last.makespan_m() < best.makespan_m() {
+        if last.cost_m(instance, ground_worth / GAP_DISCOUNT)
+            < best.cost_m(instance, ground_worth / GAP_DISCOUNT)
+        {
             best = last.clone();
         }
     }
@@ -206,7 +220,9 @@ fn smoothed(
     }
     let (walls, width_m) = (sharing.walls, instance.tool_width_m);
     Smoothing { swept: &mut swept, walls, width_m, ground_worth }.smooth(&mut lines, &is_new);
-    for line in lines.iter_mut().zip(&is_new).filter_map(|(line, is_new)| is_new.then_some(line)) {
+    let gaps_worth = ground_worth / GAP_DISCOUNT;
+    Gaps { swept: &mut swept, walls, width_m, ground_worth: gaps_worth }.visit(&mut lines);
+    for line in lines.iter_mut().zip(&is_new).map(|(line, _)| line) {
         tips::round_tips(line, walls, width_m);
     }
     Cover { coverage: swept.coverage(), lines }

@@ -356,8 +356,7 @@ impl Sharing<'_> {
                     continue;
                 }
                 let value_m = self.web.cost(exchange).value_m(self.web.width_m);
-                if best.is_none_or(|(least_m, _)| value_m < least_m) && self.web.allows(exchange, self.walls)
-                {
+                if best.is_none_or(|(least_m, _)| value_m < least_m) && self.allows(exchange) {
                     *best = Some((value_m, exchange));
                 }
             }
@@ -407,12 +406,16 @@ impl Sharing<'_> {
                 }
                 let turn_m = TURN_WORTH * self.web.width_m * self.web.cost(exchange).turn_rad;
                 let score_m = worst_m + turn_m.max(0.0);
-                if best.is_none_or(|best| score_m < best.score_m) && self.web.allows(exchange, self.walls) {
+                if best.is_none_or(|best| score_m < best.score_m) && self.allows(exchange) {
                     best = Some(Chord { first, last, inner_m, outer_m, score_m, inner_robot, outer_robot });
                 }
             }
         }
         best
+    }
+
+    fn allows(&self, exchange: Exchange) -> bool {
+        self.web.allows(exchange, self.walls) && !self.web.crosses(exchange)
     }
 
     fn cut(&mut self, line: &[u32], chord: Chord) -> (Vec<u32>, Vec<u32>) {

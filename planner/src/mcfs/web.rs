@@ -190,6 +190,25 @@ impl Web {
         self.is_plain(exchange) && walls.is_clear(at(a), at(b)) && walls.is_clear(at(a2), at(b2))
     }
 
+    /// Whether a new link of an exchange crosses a link that stays.
+    pub(super) fn crosses(&self, exchange: Exchange) -> bool {
+        let Exchange { one: (a, a2), other: (b, b2) } = exchange;
+        let ends = [a, a2, b, b2];
+        let stays = |from: u32, to: u32| !(ends.contains(&from) && ends.contains(&to));
+        [(a, b), (a2, b2)].into_iter().any(|(from, to)| {
+            let (start, end) = (self.at[from as usize], self.at[to as usize]);
+            let reach_m = 0.5 * (end - start).norm() + 0.5 * self.width_m;
+            self.around(start + (end - start) * 0.5, reach_m).any(|place| {
+                self.links[place as usize].into_iter().any(|next| {
+                    stays(place, next)
+                        && ![from, to].contains(&place)
+                        && ![from, to].contains(&next)
+                        && cross(start, end, self.at[place as usize], self.at[next as usize])
+                })
+            })
+        })
+    }
+
     /// Whether the four places differ and the new links neither cross nor reach too far.
     pub(super) fn is_plain(&self, exchange: Exchange) -> bool {
         let Exchange { one: (a, a2), other: (b, b2) } = exchange;
