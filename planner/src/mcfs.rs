@@ -34,6 +34,7 @@
 //! **Symbols.** l: `tool_width_m`; k: number of `starts`; A: `area_m2()`; isoline: track; stitching tuple: exchange.
 
 mod drive;
+mod gaps;
 mod joining;
 mod joint;
 mod near;
@@ -43,6 +44,7 @@ mod smoothing;
 mod straightening;
 mod swept_counts;
 mod target;
+mod tips;
 mod tracks;
 mod walls;
 mod web;
@@ -52,6 +54,7 @@ pub(crate) use straightening::straightened;
 
 use crate::{Plan, Route};
 use drive::{Drives, Neighbours};
+use gaps::Gaps;
 use sharing::{Share, Sharing};
 use smoothing::Smoothing;
 use swept_counts::SweptCounts;
@@ -64,6 +67,9 @@ use web::Web;
 const LEAST_STRIP: f64 = 0.6;
 /// How much more ground is worth than the way that sweeps it, when all is to be swept.
 const FULL_GROUND_WORTH: f64 = 10.0;
+
+/// By how much less the ground of a gap is worth that takes a detour.
+const GAP_DISCOUNT: f64 = 3.0;
 
 /// How to cover polygons.
 #[derive(Debug, Clone, PartialEq)]
@@ -80,7 +86,7 @@ pub struct McfsOptions {
 
 impl Default for McfsOptions {
     fn default() -> Self {
-        Self { coverage_target: None, rounds: 8, corrections: 6, paper: None }
+        Self { coverage_target: None, rounds: 12, corrections: 6, paper: None }
     }
 }
 
@@ -118,6 +124,13 @@ impl Cover {
 
     fn makespan_m(&self) -> f64 {
         self.lengths_m().into_iter().fold(0.0, f64::max)
+    }
+
+    /// The makespan, and what each robot's part of the ground left is worth.
+    fn cost_m(&self, instance: &PolygonInstance, ground_worth: f64) -> f64 {
+        let robots = self.lines.len() as f64;
+        let left_m = (1.0 - self.coverage) * instance.area_m2() / (robots * instance.tool_width_m);
+        self.makespan_m() + ground_worth * left_m
     }
 }
 
@@ -158,7 +171,8 @@ fn lines_along(
             shares.extend(sharing.peel(line, robots));
         }
     }
-    sharing.settle(&mut shares, options.rounds);
+    sharing.settle(&mut shares, options.rounds, true);
+    sharing.mend_joints(&mut shares);
     let mut last = smoothed(instance, &sharing, &shares, ground_worth, None);
     let mut best = last.clone();
     for _ in 0..options.corrections {
@@ -168,12 +182,15 @@ fn lines_along(
             let raw_m = sharing.cost_m(share) - sharing.corrections_m[share.robot];
             sharing.corrections_m[share.robot] = lengths_m[share.robot] - raw_m;
         }
-        sharing.settle(&mut shares, options.rounds);
+        sharing.settle(&mut shares, options.rounds, false);
+        sharing.mend_joints(&mut shares);
         if shares == before {
             break;
         }
         last = smoothed(instance, &sharing, &shares, ground_worth, Some((&before, &last)));
-        if last.makespan_m() < best.makespan_m() {
+        if last.cost_m(instance, ground_worth / GAP_DISCOUNT)
+            < best.cost_m(instance, ground_worth / GAP_DISCOUNT)
+        {
             best = last.clone();
         }
     }
@@ -205,6 +222,11 @@ fn smoothed(
     }
     let (walls, width_m) = (sharing.walls, instance.tool_width_m);
     Smoothing { swept: &mut swept, walls, width_m, ground_worth }.smooth(&mut lines, &is_new);
+    let gaps_worth = ground_worth / GAP_DISCOUNT;
+    Gaps { swept: &mut swept, walls, width_m, ground_worth: gaps_worth }.visit(&mut lines);
+    for line in lines.iter_mut().zip(&is_new).map(|(line, _)| line) {
+        tips::round_tips(line, walls, width_m);
+    }
     Cover { coverage: swept.coverage(), lines }
 }
 

@@ -36,7 +36,7 @@ pub(super) fn join(web: &mut Web, walls: &Walls) {
             let now = steps(web, exchange);
             if now > cost {
                 queue.push(Reverse((now, exchange)));
-            } else if web.allows(exchange, walls) {
+            } else if web.allows(exchange, walls) && (reach > REACHES[0] || !web.crosses(exchange)) {
                 web.apply(exchange);
                 lines.unite(exchange.one.0, exchange.other.0);
                 for place in [exchange.one.0, exchange.one.1, exchange.other.0, exchange.other.1] {

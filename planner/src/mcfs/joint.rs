@@ -13,7 +13,9 @@ pub(super) const TURN_WORTH: f64 = 1.0;
 /// How far a stretch may be cut back or drawn out, in widths of the tool.
 const REACH: f64 = 2.6;
 /// Cut backs tried for slants, in widths of the tool, and the way that each is taken to lose.
-const SLANTS: [(f64, f64); 3] = [(0.0, 0.0), (0.75, 0.2), (1.5, 0.5)];
+const SLANTS: [(f64, f64); 3] = [(0.75, 0.05), (1.5, 0.1), (2.5, 0.2)];
+/// Only where the headings agree that far (cosine) is a slant drawn out: a turn back would leave ground.
+const ONWARDS: f64 = 0.3;
 /// Headings less apart than this have no useful crossing (sine).
 const PARALLEL: f64 = 0.2;
 
@@ -46,7 +48,8 @@ pub(super) fn joint(from: End, to: End, width_m: f64) -> Cost {
     {
         best = bend;
     }
-    for (cut, loss) in SLANTS {
+    let onwards = from.heading.dot(&to.heading) > ONWARDS;
+    for (cut, loss) in SLANTS.into_iter().filter(|_| onwards) {
         let slant = slant(from, to, cut * width_m, loss * width_m);
         if better(slant, best) {
             best = slant;

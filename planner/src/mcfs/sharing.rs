@@ -19,6 +19,17 @@ const EVEN: f64 = 5e-4;
 /// Way that one radian of turning at a chord is worth, as a share of the tool's width: evenness counts more.
 const TURN_WORTH: f64 = 0.4;
 
+/// How much the sum of two lines counts beside the longer of them.
+const SUM_WORTH: f64 = 0.2;
+/// Way that is worth it to leave as much way with its robot, once lines are smoothed.
+const STAY_WORTH: f64 = 0.1;
+/// Pairs farther apart than this part of their length are joined at several places in turn.
+const UNEVEN: f64 = 2e-3;
+const JOINS: usize = 8;
+const PAIR_TURN: f64 = 0.5;
+/// The most joints that are moved in one line.
+const MENDINGS: usize = 40;
+
 /// One robot's closed line.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Share {
@@ -51,11 +62,11 @@ struct Chord {
 
 impl Sharing<'_> {
     /// Evens out until nobody gains, or for so many rounds.
-    pub(super) fn settle(&mut self, shares: &mut [Share], rounds: usize) {
+    pub(super) fn settle(&mut self, shares: &mut [Share], rounds: usize, recut: bool) {
         // Pairs that have gained nothing and have not changed since.
         let mut settled = BTreeSet::new();
         for _ in 0..rounds {
-            if !self.even_out(shares, &mut settled) {
+            if !self.even_out(shares, &mut settled, recut) {
                 break;
             }
         }
@@ -99,7 +110,12 @@ impl Sharing<'_> {
     }
 
     /// Joins and cuts again pairs of neighbours; whether anything got better.
-    fn even_out(&mut self, shares: &mut [Share], settled: &mut BTreeSet<(usize, usize)>) -> bool {
+    fn even_out(
+        &mut self,
+        shares: &mut [Share],
+        settled: &mut BTreeSet<(usize, usize)>,
+        recut: bool,
+    ) -> bool {
         let mut better = false;
         let mut order: Vec<(usize, usize)> =
             (0..shares.len()).flat_map(|a| (0..a).map(move |b| (b, a))).collect();
@@ -109,7 +125,7 @@ impl Sharing<'_> {
             if settled.contains(&(a, b)) {
                 continue;
             }
-            let evened = self.even_pair(shares, a, b);
+            let evened = self.even_pair(shares, a, b, if recut { 0.0 } else { STAY_WORTH });
             let (longer, shorter) =
                 if self.cost_m(&shares[a]) >= self.cost_m(&shares[b]) { (a, b) } else { (b, a) };
             if self.hand_over(shares, longer, shorter) || evened {
@@ -172,6 +188,16 @@ impl Sharing<'_> {
         touching
     }
 
+    /// Up to each position of a line, how many places belong to a part of it.
+    fn up_to(&self, line: &[u32], part: &[u32]) -> Vec<u32> {
+        let is_part = self.marks(part);
+        let mut counts = vec![0];
+        for &place in line {
+            counts.push(counts[counts.len() - 1] + u32::from(is_part[place as usize]));
+        }
+        counts
+    }
+
     fn marks(&self, line: &[u32]) -> Vec<bool> {
         let mut marks = vec![false; self.web.len()];
         for &place in line {
@@ -180,21 +206,40 @@ impl Sharing<'_> {
         marks
     }
 
-    fn even_pair(&mut self, shares: &mut [Share], a: usize, b: usize) -> bool {
+    fn even_pair(&mut self, shares: &mut [Share], a: usize, b: usize, stay_worth: f64) -> bool {
         let before_m = [self.cost_m(&shares[a]), self.cost_m(&shares[b])];
         let (most_m, least_m) = (before_m[0].max(before_m[1]), before_m[0].min(before_m[1]));
-        if most_m - least_m < EVEN * most_m {
-            return false;
-        }
-        let Some(exchange) = self.best_join(&shares[a].line, &shares[b].line) else { return false };
+        let before =
+            PairBefore { score_m: score_m(most_m, least_m), least_gain_m: most_m * EVEN / 4.0, stay_worth };
+        let joins = self.joins(&shares[a].line, &shares[b].line);
+        let tries = if most_m - least_m > UNEVEN * most_m { JOINS } else { 1 };
+        joins.into_iter().take(tries).any(|exchange| self.recut(shares, (a, b), exchange, &before))
+    }
+
+    /// Joins two shares there and cuts them again where that is best.
+    fn recut(
+        &mut self,
+        shares: &mut [Share],
+        (a, b): (usize, usize),
+        exchange: Exchange,
+        before: &PairBefore,
+    ) -> bool {
         let (one, other) = (shares[a].clone(), shares[b].clone());
+        let turn_m = TURN_WORTH * self.web.width_m * self.web.cost(exchange).turn_rad;
         self.web.apply(exchange);
         let line = self.web.closed_line(exchange.one.0);
         let robots = [one.robot, other.robot];
         let ruler = Ruler::new(self, &line, &robots);
+        let ones = self.up_to(&line, &one.line);
+        let place_m = before.stay_worth * ruler.length_m() / line.len() as f64;
         let chord = self.best_chord(&line, &ruler, |cutting| {
-            let straight = cutting.inner_cost_m(0).max(cutting.outer_cost_m(1));
-            let swapped = cutting.inner_cost_m(1).max(cutting.outer_cost_m(0));
+            // Places that change hands when `one` gets the part inside.
+            let inside = cutting.last + 1 - cutting.first;
+            let inside_ones = (ones[cutting.last + 1] - ones[cutting.first]) as usize;
+            let moved = one.line.len() - inside_ones + inside - inside_ones;
+            let stays = line.len() - moved;
+            let straight = score_m(cutting.inner_cost_m(0), cutting.outer_cost_m(1)) + place_m * moved as f64;
+            let swapped = score_m(cutting.inner_cost_m(1), cutting.outer_cost_m(0)) + place_m * stays as f64;
             let best = if straight <= swapped {
                 (straight, robots[0], robots[1])
             } else {
@@ -203,13 +248,17 @@ impl Sharing<'_> {
             Some(best)
         });
         if let Some(chord) = chord {
+            let turns_m = turn_m
+                + TURN_WORTH
+                    * self.web.width_m
+                    * self.web.cost(exchange_of(&line, chord.first, chord.last)).turn_rad;
             let (inner, outer) = self.cut(&line, chord);
             let pair = [
                 Share { robot: chord.inner_robot, line: inner },
                 Share { robot: chord.outer_robot, line: outer },
             ];
-            let after_m = pair.each_ref().map(|share| self.cost_m(share));
-            if after_m[0].max(after_m[1]) < most_m * (1.0 - EVEN / 4.0) {
+            let [one_m, other_m] = pair.each_ref().map(|share| self.cost_m(share));
+            if score_m(one_m, other_m) + PAIR_TURN * turns_m.max(0.0) < before.score_m - before.least_gain_m {
                 [shares[a], shares[b]] = pair;
                 return true;
             }
@@ -217,6 +266,63 @@ impl Sharing<'_> {
         }
         self.web.apply(exchange.undone());
         false
+    }
+
+    /// Moves the joints within each line to where they cost least: what evening out leaves is seldom there.
+    pub(super) fn mend_joints(&mut self, shares: &mut [Share]) {
+        for share in shares {
+            for _ in 0..MENDINGS {
+                let Some(line) = self.mended(&share.line) else { break };
+                share.line = line;
+            }
+        }
+    }
+
+    /// The line with one joint taken out and the two parts joined more cheaply.
+    fn mended(&mut self, line: &[u32]) -> Option<Vec<u32>> {
+        let mut position = vec![usize::MAX; self.web.len()];
+        line.iter().enumerate().for_each(|(at, &place)| position[place as usize] = at);
+        let worth_m = |sharing: &Self, exchange| sharing.web.cost(exchange).value_m(sharing.web.width_m);
+        let mut seen = BTreeSet::new();
+        let mut openings: Vec<(f64, Exchange)> = Vec::new();
+        for &place in line {
+            for beside in self.web.parted(place).filter(|&beside| position[beside as usize] != usize::MAX) {
+                let (one, other) = (position[place as usize], position[beside as usize]);
+                let ahead = |at: usize| line[(at + 1) % line.len()];
+                let behind = |at: usize| line[(at + line.len() - 1) % line.len()];
+                let pairs = [(ahead(one), behind(other)), (behind(one), ahead(other))];
+                for (a, (a2, b2)) in pairs.into_iter().map(|pair| (place, pair)) {
+                    let exchange = Exchange { one: (a, a2), other: (beside, b2) };
+                    let mut ends = [a, a2, beside, b2];
+                    ends.sort_unstable();
+                    if a2 == beside || b2 == a || a2 == b2 || !seen.insert(ends) {
+                        continue;
+                    }
+                    let gain_m = worth_m(self, exchange);
+                    if gain_m < -0.5 * self.web.width_m && self.web.allows(exchange, self.walls) {
+                        openings.push((gain_m, exchange));
+                    }
+                }
+            }
+        }
+        openings.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        for (opened_m, opening) in openings {
+            self.web.apply(opening);
+            let inner = self.web.closed_line(opening.one.0);
+            let outer = self.web.closed_line(opening.one.1);
+            if inner.len() < line.len() && inner.len() > 2 && outer.len() > 2 {
+                let (shorter, longer) =
+                    if inner.len() < outer.len() { (&inner, &outer) } else { (&outer, &inner) };
+                if let Some(exchange) = self.best_join(shorter, longer)
+                    && opened_m + worth_m(self, exchange) < -0.1 * self.web.width_m
+                {
+                    self.web.apply(exchange);
+                    return Some(self.web.closed_line(exchange.one.0));
+                }
+            }
+            self.web.apply(opening.undone());
+        }
+        None
     }
 
     /// Line and drives of a share, metres.
@@ -234,23 +340,30 @@ impl Sharing<'_> {
 
     /// The cheapest exchange that joins two lines.
     fn best_join(&self, one: &[u32], other: &[u32]) -> Option<Exchange> {
+        self.joins(one, other).first().copied()
+    }
+
+    /// The cheapest exchanges along each part of a line that join it to another, the best first.
+    fn joins(&self, one: &[u32], other: &[u32]) -> Vec<Exchange> {
         let is_other = self.marks(other);
-        let pairs = one.iter().flat_map(|&place| {
-            let beside = self.neighbours.of(place).iter().filter(|&&beside| is_other[beside as usize]);
-            beside.flat_map(move |&beside| super::joining::exchanges(self.web, place, beside))
-        });
         let reach_m = 1.6 * self.web.width_m;
-        let mut best: Option<(f64, Exchange)> = None;
-        for exchange in pairs.filter(|exchange| self.is_candidate(exchange)) {
-            if super::joining::may_pay(self.web, exchange, reach_m) {
+        let mut best: [Option<(f64, Exchange)>; JOINS] = [None; JOINS];
+        for (at, &place) in one.iter().enumerate() {
+            let best = &mut best[at * JOINS / one.len()];
+            let beside = self.neighbours.of(place).iter().filter(|&&beside| is_other[beside as usize]);
+            for exchange in beside.flat_map(|&beside| super::joining::exchanges(self.web, place, beside)) {
+                if !self.is_candidate(&exchange) || !super::joining::may_pay(self.web, exchange, reach_m) {
+                    continue;
+                }
                 let value_m = self.web.cost(exchange).value_m(self.web.width_m);
-                if best.is_none_or(|(least_m, _)| value_m < least_m) && self.web.allows(exchange, self.walls)
-                {
-                    best = Some((value_m, exchange));
+                if best.is_none_or(|(least_m, _)| value_m < least_m) && self.allows(exchange) {
+                    *best = Some((value_m, exchange));
                 }
             }
         }
-        best.map(|(_, exchange)| exchange)
+        let mut joins: Vec<(f64, Exchange)> = best.into_iter().flatten().collect();
+        joins.sort_by(|a, b| a.0.total_cmp(&b.0));
+        joins.into_iter().map(|(_, exchange)| exchange).collect()
     }
 
     /// Earlier joints are all looked at, of the stretches of tracks every third place: neighbours are alike.
@@ -293,12 +406,16 @@ impl Sharing<'_> {
                 }
                 let turn_m = TURN_WORTH * self.web.width_m * self.web.cost(exchange).turn_rad;
                 let score_m = worst_m + turn_m.max(0.0);
-                if best.is_none_or(|best| score_m < best.score_m) && self.web.allows(exchange, self.walls) {
+                if best.is_none_or(|best| score_m < best.score_m) && self.allows(exchange) {
                     best = Some(Chord { first, last, inner_m, outer_m, score_m, inner_robot, outer_robot });
                 }
             }
         }
         best
+    }
+
+    fn allows(&self, exchange: Exchange) -> bool {
+        self.web.allows(exchange, self.walls) && !self.web.crosses(exchange)
     }
 
     fn cut(&mut self, line: &[u32], chord: Chord) -> (Vec<u32>, Vec<u32>) {
@@ -334,6 +451,18 @@ impl Cutting<'_> {
             + self.ruler.corrections_m[slot]
             + 2.0 * self.ruler.outside_m(slot, self.first, self.last)
     }
+}
+
+/// What recutting a pair must improve on.
+struct PairBefore {
+    score_m: f64,
+    least_gain_m: f64,
+    stay_worth: f64,
+}
+
+/// The longer of two lines; less way in all counts a little, for it is evened out among all in the end.
+fn score_m(one_m: f64, other_m: f64) -> f64 {
+    one_m.max(other_m) + SUM_WORTH * (one_m + other_m)
 }
 
 /// Cuts `first..=last` out of a line: its ends are linked, and what lies around them.

@@ -19,6 +19,9 @@ const LEAST_GAIN: f64 = 1e-3;
 const LIKELY_LOSS: f64 = 0.2;
 /// Way that one radian of turning is worth, as a share of the tool's width.
 const TURN_WORTH: f64 = 0.5;
+/// Turns beyond this are sharp, and each radian beyond counts for so many more.
+const SHARP_RAD: f64 = 2.2;
+const SHARPNESS: f64 = 4.0;
 const SWEEPS: usize = 3;
 
 pub(super) struct Smoothing<'a> {
@@ -113,13 +116,13 @@ impl Smoothing<'_> {
         let before = shortcut.from.checked_sub(1).map(|at| a - line[at]);
         let after = line.get(shortcut.to + 1).map(|next| next - b);
         let turn = |from: Option<terrain::Vector>, to: Option<terrain::Vector>| match (from, to) {
-            (Some(from), Some(to)) => turn_rad(from, to),
+            (Some(from), Some(to)) => worth_rad(turn_rad(from, to)),
             _ => 0.0,
         };
         let mut turns = turn(before, Some(first - a)) + turn(Some(b - last), after);
         let mut way_m = (first - a).norm();
         if let Some(corner) = shortcut.corner {
-            turns += turn_rad(corner - a, b - corner);
+            turns += worth_rad(turn_rad(corner - a, b - corner));
             way_m += (b - corner).norm();
         }
         way_m + turns * turn_m
@@ -174,11 +177,16 @@ fn corner(line: &[Point], from: usize, to: usize, reach_m: f64) -> Option<Point>
     fits.then(|| line[from] + heading * ahead)
 }
 
-/// The size of the turn at a point of a line; none at its ends.
+/// What a turn counts for: a sharp one is a stop, and counts for more than several that are not.
+fn worth_rad(turn_rad: f64) -> f64 {
+    turn_rad + SHARPNESS * (turn_rad - SHARP_RAD).max(0.0)
+}
+
+/// What the turn at a point of a line counts for; none at its ends.
 fn turn_at(line: &[Point], at: usize) -> f64 {
     if at == 0 || at + 1 >= line.len() {
         0.0
     } else {
-        turn_rad(line[at] - line[at - 1], line[at + 1] - line[at])
+        worth_rad(turn_rad(line[at] - line[at - 1], line[at + 1] - line[at]))
     }
 }

@@ -89,6 +89,51 @@ impl SweptCounts {
         self.unswept as f64 * self.square_m * self.square_m
     }
 
+    /// The connected pieces of ground that nothing sweeps, of at least so much area: the middles of their squares.
+    pub(super) fn gaps(&self, least_m2: f64) -> Vec<Vec<Point>> {
+        let mut seen = vec![false; self.counts.len()];
+        let least = (least_m2 / (self.square_m * self.square_m)) as usize;
+        let mut gaps = Vec::new();
+        for first in 0..self.counts.len() {
+            if self.counts[first] == 0 && !seen[first] {
+                let gap = self.piece(first, &mut seen);
+                if gap.len() >= least {
+                    gaps.push(gap.into_iter().map(|square| self.middle(square)).collect());
+                }
+            }
+        }
+        gaps
+    }
+
+    /// The unswept squares that hang together with one.
+    fn piece(&self, first: usize, seen: &mut [bool]) -> Vec<usize> {
+        let mut piece = vec![first];
+        seen[first] = true;
+        let mut next = 0;
+        while let Some(&square) = piece.get(next) {
+            next += 1;
+            let (column, row) = (square % self.columns, square / self.columns);
+            let beside = [
+                (column > 0).then(|| square - 1),
+                (column + 1 < self.columns).then(|| square + 1),
+                (row > 0).then(|| square - self.columns),
+                (row + 1 < self.rows).then(|| square + self.columns),
+            ];
+            for other in beside.into_iter().flatten() {
+                if self.counts[other] == 0 && !seen[other] {
+                    seen[other] = true;
+                    piece.push(other);
+                }
+            }
+        }
+        piece
+    }
+
+    fn middle(&self, square: usize) -> Point {
+        let (column, row) = ((square % self.columns) as f64, (square / self.columns) as f64);
+        self.low + terrain::Vector::new(column + 0.5, row + 0.5) * self.square_m
+    }
+
     pub(super) fn put_in(&mut self, from: Point, to: Point) {
         let mut newly = 0;
         self.each_span(Segment::new(from, to), |span| {

@@ -16,12 +16,19 @@ const HEADING_OVER: f64 = 0.9;
 /// Links up to so many tool widths are stretches of a track.
 const SHORT: f64 = 0.55;
 
+/// Corners with a sharper turn have a tip.
+const SHARP_RAD: f64 = 2.0;
+/// Tips are cut off by so many tool widths.
+const BLUNT: f64 = 0.02;
+
 /// Places and links.
 pub(super) struct Web {
     pub(super) at: Vec<Point>,
     pub(super) track: Vec<u32>,
     /// The two places before and after each; no matter which is which.
     pub(super) links: Vec<[u32; 2]>,
+    /// The same as the tracks have them, before any exchange.
+    on_track: Vec<[u32; 2]>,
     pub(super) width_m: f64,
     /// Way along the track up to each place, metres.
     along_m: Vec<f64>,
@@ -50,6 +57,7 @@ impl Web {
             at: Vec::new(),
             track: Vec::new(),
             links: Vec::new(),
+            on_track: Vec::new(),
             width_m,
             along_m: Vec::new(),
             track_m: Vec::new(),
@@ -58,14 +66,16 @@ impl Web {
         for (number, track) in tracks.iter().enumerate() {
             web.add_track(number as u32, track);
         }
+        web.on_track.clone_from(&web.links);
         web
     }
 
     fn add_track(&mut self, number: u32, track: &Track) {
         let first = self.at.len() as u32;
         let mut along_m = 0.0;
-        for (corner, from) in track.corners.iter().enumerate() {
-            let step = track.corners[(corner + 1) % track.corners.len()] - from;
+        let corners = blunted(&track.corners, BLUNT * self.width_m);
+        for (corner, from) in corners.iter().enumerate() {
+            let step = corners[(corner + 1) % corners.len()] - from;
             let pieces = (step.norm() / (SPACING * self.width_m)).ceil().max(1.0);
             for piece in 0..pieces as usize {
                 let place = from + step * (piece as f64 / pieces);
@@ -116,6 +126,11 @@ impl Web {
         }
         let way_m = (self.along_m[a as usize] - self.along_m[b as usize]).abs();
         way_m.min(self.track_m[track as usize] - way_m)
+    }
+
+    /// The places before and after one on its track from which it is parted now.
+    pub(super) fn parted(&self, place: u32) -> impl Iterator<Item = u32> + '_ {
+        self.on_track[place as usize].into_iter().filter(move |&other| !self.linked(place, other))
     }
 
     pub(super) fn linked(&self, a: u32, b: u32) -> bool {
@@ -175,6 +190,25 @@ impl Web {
         self.is_plain(exchange) && walls.is_clear(at(a), at(b)) && walls.is_clear(at(a2), at(b2))
     }
 
+    /// Whether a new link of an exchange crosses a link that stays.
+    pub(super) fn crosses(&self, exchange: Exchange) -> bool {
+        let Exchange { one: (a, a2), other: (b, b2) } = exchange;
+        let ends = [a, a2, b, b2];
+        let stays = |from: u32, to: u32| !(ends.contains(&from) && ends.contains(&to));
+        [(a, b), (a2, b2)].into_iter().any(|(from, to)| {
+            let (start, end) = (self.at[from as usize], self.at[to as usize]);
+            let reach_m = 0.5 * (end - start).norm() + 0.5 * self.width_m;
+            self.around(start + (end - start) * 0.5, reach_m).any(|place| {
+                self.links[place as usize].into_iter().any(|next| {
+                    stays(place, next)
+                        && ![from, to].contains(&place)
+                        && ![from, to].contains(&next)
+                        && cross(start, end, self.at[place as usize], self.at[next as usize])
+                })
+            })
+        })
+    }
+
     /// Whether the four places differ and the new links neither cross nor reach too far.
     pub(super) fn is_plain(&self, exchange: Exchange) -> bool {
         let Exchange { one: (a, a2), other: (b, b2) } = exchange;
@@ -223,6 +257,21 @@ impl Web {
         }
         lines
     }
+}
+
+/// The corners of a closed line, each sharp one as two: there is a link to take out at every tip.
+fn blunted(corners: &[Point], back_m: f64) -> Vec<Point> {
+    let count = corners.len();
+    let blunt = |at: usize| {
+        let [before, here, after] = [count - 1, 0, 1].map(|step| corners[(at + step) % count]);
+        let (to, on) = (here - before, after - here);
+        if turn_rad(to, on) < SHARP_RAD {
+            return vec![here];
+        }
+        let back = |way: Vector| way * (back_m / way.norm()).min(0.3);
+        vec![here - back(to), here + back(on)]
+    };
+    (0..count).flat_map(blunt).collect()
 }
 
 fn cross(a: Point, b: Point, c: Point, d: Point) -> bool {
