@@ -207,13 +207,20 @@ fn smoothed(
 ) -> Cover {
     let mut lines: Vec<Vec<Point>> = instance.starts.iter().map(|&start| vec![start]).collect();
     let mut is_new = vec![false; lines.len()];
-    for share in shares {
-        let (robot, start) = (share.robot, instance.starts[share.robot]);
-        if let Some((_, cover)) = before.filter(|(before, _)| before.contains(share)) {
+    for (robot, &start) in instance.starts.iter().enumerate() {
+        let own = |shares: &'_ [Share]| -> Vec<Share> {
+            shares.iter().filter(|share| share.robot == robot).cloned().collect()
+        };
+        let trips = own(shares);
+        if let Some((_, cover)) = before.filter(|(before, _)| own(before) == trips) {
             lines[robot].clone_from(&cover.lines[robot]);
         } else if let Some(drives) = &sharing.drives[robot] {
-            lines[robot] = round_trip(sharing.web, sharing.walls, drives, share, start);
-            is_new[robot] = true;
+            // Lines that could not be joined: one trip each.
+            for trip in &trips {
+                let points = round_trip(sharing.web, sharing.walls, drives, trip, start);
+                lines[robot].extend(points.into_iter().skip(1));
+                is_new[robot] = true;
+            }
         }
     }
     let mut swept = SweptCounts::new(&instance.ground, instance.tool_width_m);
