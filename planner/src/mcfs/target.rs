@@ -10,11 +10,17 @@ use geo::{Euclidean, Length};
 use terrain::Point;
 
 /// Tracks that sweep less new ground than this share of way × width are left out: each is tried.
-const LEAST_YIELDS: [f64; 4] = [0.9, 0.8, 0.5, 0.0];
+const LEAST_YIELDS: [f64; 2] = [0.85, 0.5];
 /// How much more ground is worth than the way that sweeps it.
 const GROUND_WORTH: f64 = 2.0;
 /// Distances from the walls that are tried.
-const TRIALS: usize = 6;
+const TRIALS: usize = 7;
+/// Trials even the shares out so often; the best distance from the walls is then planned as often as was asked for.
+const TRIAL_CORRECTIONS: usize = 1;
+/// So often the tracks are moved farther when the best trial is planned in full.
+const REFINEMENTS: usize = 5;
+/// Near enough to the share asked for.
+const NEAR: f64 = 1.5e-3;
 /// The raster may be so far off.
 const RASTER_ERROR: f64 = 5e-4;
 
@@ -30,15 +36,23 @@ fn search(instance: &PolygonInstance, options: &McfsOptions, target: f64, least_
     let least_m = tracks::first_distance_m(instance);
     let rim_m: f64 = instance.rings().map(|(_, ring)| Euclidean.length(ring)).sum();
     let (mut enough, mut too_far) = (None::<(f64, f64)>, None::<(f64, f64)>);
-    let (mut first_m, mut best) = (least_m, None::<Cover>);
-    for _ in 0..TRIALS {
+    let (mut first_m, mut best) = (least_m, None::<(f64, Cover)>);
+    let lines = |first_m: f64, options: &McfsOptions| {
         let tracks = worthwhile(instance, tracks::tracks(instance, first_m), least_yield);
-        let Some(cover) = lines_along(instance, options, &tracks, GROUND_WORTH) else { break };
-        let spare = cover.coverage - target - RASTER_ERROR;
+        lines_along(instance, options, &tracks, GROUND_WORTH)
+    };
+    let quick = McfsOptions { corrections: TRIAL_CORRECTIONS.min(options.corrections), ..options.clone() };
+    let spare_of = |cover: &Cover| cover.coverage - target - RASTER_ERROR;
+    for _ in 0..TRIALS {
+        let Some(cover) = lines(first_m, &quick) else { break };
+        let spare = spare_of(&cover);
         if spare >= 0.0 {
             enough = Some((first_m, spare));
-            if best.as_ref().is_none_or(|best| cover.makespan_m() < best.makespan_m()) {
-                best = Some(cover);
+            if best.as_ref().is_none_or(|(_, best)| cover.makespan_m() < best.makespan_m()) {
+                best = Some((first_m, cover));
+            }
+            if spare < NEAR {
+                break;
             }
         } else {
             too_far = Some((first_m, spare));
@@ -49,12 +63,27 @@ fn search(instance: &PolygonInstance, options: &McfsOptions, target: f64, least_
             (None, _) => break,
         };
     }
-    best
+    let (mut near_m, mut best) = best?;
+    let mut step_m = spare_of(&best).max(0.0) * instance.area_m2() / rim_m;
+    for round in 0..=REFINEMENTS {
+        let first_m = if round == 0 { near_m } else { near_m + step_m };
+        let Some(cover) = lines(first_m, options) else { break };
+        let spare = spare_of(&cover);
+        if spare >= 0.0 {
+            (near_m, step_m) = (first_m, spare * instance.area_m2() / rim_m);
+            if cover.makespan_m() < best.makespan_m() {
+                best = cover;
+            }
+        } else {
+            step_m *= 0.5;
+        }
+    }
+    Some(best)
 }
 
 /// Where the spare coverage is likely to be gone, well within the two ends.
 fn between((near_m, spare): (f64, f64), (far_m, lack): (f64, f64)) -> f64 {
-    near_m + (far_m - near_m) * (spare / (spare - lack)).clamp(0.2, 0.8)
+    near_m + (far_m - near_m) * (spare / (spare - lack)).clamp(0.25, 0.85)
 }
 
 /// The tracks whose own ground is worth their way.
