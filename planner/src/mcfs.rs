@@ -37,6 +37,7 @@ mod drive;
 mod gaps;
 mod joining;
 mod joint;
+mod mending;
 mod near;
 mod polygon_instance;
 mod sharing;
@@ -68,8 +69,10 @@ const LEAST_STRIP: f64 = 0.6;
 /// How much more ground is worth than the way that sweeps it, when all is to be swept.
 const FULL_GROUND_WORTH: f64 = 10.0;
 
+/// Way that it is worth to leave as much way with its robot, once lines are smoothed.
+const STAY_WORTH: f64 = 0.1;
 /// By how much less the ground of a gap is worth that takes a detour.
-const GAP_DISCOUNT: f64 = 3.0;
+const GAP_DISCOUNT: f64 = 3.7;
 
 /// How to cover polygons.
 #[derive(Debug, Clone, PartialEq)]
@@ -171,7 +174,7 @@ fn lines_along(
             shares.extend(sharing.peel(line, robots));
         }
     }
-    sharing.settle(&mut shares, options.rounds, true);
+    sharing.settle(&mut shares, options.rounds, 0.0);
     sharing.mend_joints(&mut shares);
     let mut last = smoothed(instance, &sharing, &shares, ground_worth, None);
     let mut best = last.clone();
@@ -182,7 +185,7 @@ fn lines_along(
             let raw_m = sharing.cost_m(share) - sharing.corrections_m[share.robot];
             sharing.corrections_m[share.robot] = lengths_m[share.robot] - raw_m;
         }
-        sharing.settle(&mut shares, options.rounds, false);
+        sharing.settle(&mut shares, options.rounds, STAY_WORTH);
         sharing.mend_joints(&mut shares);
         if shares == before {
             break;

@@ -91,7 +91,7 @@ impl Gaps<'_> {
     ) -> Option<Detour> {
         let (from, to) = (lines[line][after], lines[line][after + 1]);
         let along = (to - from).try_normalize(1e-9)?;
-        let into = self.into_gap(from, to, gap);
+        let into = self.course(from, to, gap);
         let foot = foot(from, to, *into.first()?);
         let leave = foot - along * base_m.min((foot - from).norm());
         let join = foot + along * base_m.min((to - foot).norm());
@@ -109,7 +109,7 @@ impl Gaps<'_> {
     }
 
     /// Where a detour from a stretch goes: to the far end of a gap, or along a long one.
-    fn into_gap(&self, from: Point, to: Point, gap: &[Point]) -> Vec<Point> {
+    fn course(&self, from: Point, to: Point, gap: &[Point]) -> Vec<Point> {
         let near = foot(from, to, middle(gap));
         let far = farthest(gap, near);
         let other = farthest(gap, far);

@@ -21,14 +21,12 @@ const TURN_WORTH: f64 = 0.4;
 
 /// How much the sum of two lines counts beside the longer of them.
 const SUM_WORTH: f64 = 0.2;
-/// Way that is worth it to leave as much way with its robot, once lines are smoothed.
-const STAY_WORTH: f64 = 0.1;
 /// Pairs farther apart than this part of their length are joined at several places in turn.
 const UNEVEN: f64 = 2e-3;
+/// At so many places.
 const JOINS: usize = 8;
+/// Share of the turning that recutting adds, in way, that the gain must be beyond.
 const PAIR_TURN: f64 = 0.5;
-/// The most joints that are moved in one line.
-const MENDINGS: usize = 40;
 
 /// One robot's closed line.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,12 +59,12 @@ struct Chord {
 }
 
 impl Sharing<'_> {
-    /// Evens out until nobody gains, or for so many rounds.
-    pub(super) fn settle(&mut self, shares: &mut [Share], rounds: usize, recut: bool) {
+    /// Evens out until nobody gains, or for so many rounds. `stay_worth`: what leaving way with its robot is worth.
+    pub(super) fn settle(&mut self, shares: &mut [Share], rounds: usize, stay_worth: f64) {
         // Pairs that have gained nothing and have not changed since.
         let mut settled = BTreeSet::new();
         for _ in 0..rounds {
-            if !self.even_out(shares, &mut settled, recut) {
+            if !self.even_out(shares, &mut settled, stay_worth) {
                 break;
             }
         }
@@ -114,7 +112,7 @@ impl Sharing<'_> {
         &mut self,
         shares: &mut [Share],
         settled: &mut BTreeSet<(usize, usize)>,
-        recut: bool,
+        stay_worth: f64,
     ) -> bool {
         let mut better = false;
         let mut order: Vec<(usize, usize)> =
@@ -125,7 +123,7 @@ impl Sharing<'_> {
             if settled.contains(&(a, b)) {
                 continue;
             }
-            let evened = self.even_pair(shares, a, b, if recut { 0.0 } else { STAY_WORTH });
+            let evened = self.even_pair(shares, a, b, stay_worth);
             let (longer, shorter) =
                 if self.cost_m(&shares[a]) >= self.cost_m(&shares[b]) { (a, b) } else { (b, a) };
             if self.hand_over(shares, longer, shorter) || evened {
@@ -268,63 +266,6 @@ impl Sharing<'_> {
         false
     }
 
-    /// Moves the joints within each line to where they cost least: what evening out leaves is seldom there.
-    pub(super) fn mend_joints(&mut self, shares: &mut [Share]) {
-        for share in shares {
-            for _ in 0..MENDINGS {
-                let Some(line) = self.mended(&share.line) else { break };
-                share.line = line;
-            }
-        }
-    }
-
-    /// The line with one joint taken out and the two parts joined more cheaply.
-    fn mended(&mut self, line: &[u32]) -> Option<Vec<u32>> {
-        let mut position = vec![usize::MAX; self.web.len()];
-        line.iter().enumerate().for_each(|(at, &place)| position[place as usize] = at);
-        let worth_m = |sharing: &Self, exchange| sharing.web.cost(exchange).value_m(sharing.web.width_m);
-        let mut seen = BTreeSet::new();
-        let mut openings: Vec<(f64, Exchange)> = Vec::new();
-        for &place in line {
-            for beside in self.web.parted(place).filter(|&beside| position[beside as usize] != usize::MAX) {
-                let (one, other) = (position[place as usize], position[beside as usize]);
-                let ahead = |at: usize| line[(at + 1) % line.len()];
-                let behind = |at: usize| line[(at + line.len() - 1) % line.len()];
-                let pairs = [(ahead(one), behind(other)), (behind(one), ahead(other))];
-                for (a, (a2, b2)) in pairs.into_iter().map(|pair| (place, pair)) {
-                    let exchange = Exchange { one: (a, a2), other: (beside, b2) };
-                    let mut ends = [a, a2, beside, b2];
-                    ends.sort_unstable();
-                    if a2 == beside || b2 == a || a2 == b2 || !seen.insert(ends) {
-                        continue;
-                    }
-                    let gain_m = worth_m(self, exchange);
-                    if gain_m < -0.5 * self.web.width_m && self.web.allows(exchange, self.walls) {
-                        openings.push((gain_m, exchange));
-                    }
-                }
-            }
-        }
-        openings.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        for (opened_m, opening) in openings {
-            self.web.apply(opening);
-            let inner = self.web.closed_line(opening.one.0);
-            let outer = self.web.closed_line(opening.one.1);
-            if inner.len() < line.len() && inner.len() > 2 && outer.len() > 2 {
-                let (shorter, longer) =
-                    if inner.len() < outer.len() { (&inner, &outer) } else { (&outer, &inner) };
-                if let Some(exchange) = self.best_join(shorter, longer)
-                    && opened_m + worth_m(self, exchange) < -0.1 * self.web.width_m
-                {
-                    self.web.apply(exchange);
-                    return Some(self.web.closed_line(exchange.one.0));
-                }
-            }
-            self.web.apply(opening.undone());
-        }
-        None
-    }
-
     /// Line and drives of a share, metres.
     pub(super) fn cost_m(&self, share: &Share) -> f64 {
         let line = &share.line;
@@ -339,7 +280,7 @@ impl Sharing<'_> {
     }
 
     /// The cheapest exchange that joins two lines.
-    fn best_join(&self, one: &[u32], other: &[u32]) -> Option<Exchange> {
+    pub(super) fn best_join(&self, one: &[u32], other: &[u32]) -> Option<Exchange> {
         self.joins(one, other).first().copied()
     }
 

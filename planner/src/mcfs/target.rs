@@ -10,51 +10,118 @@ use geo::{Euclidean, Length};
 use terrain::Point;
 
 /// Tracks that sweep less new ground than this share of way × width are left out: each is tried.
-const LEAST_YIELDS: [f64; 4] = [0.9, 0.8, 0.5, 0.0];
+const LEAST_YIELDS: [f64; 2] = [0.85, 0.5];
 /// How much more ground is worth than the way that sweeps it.
 const GROUND_WORTH: f64 = 2.0;
+/// What it is worth when some may still be lost in the end: each is tried.
+const CHEAPER_GROUND: [f64; 2] = [1.5, 1.1];
 /// Distances from the walls that are tried.
 const TRIALS: usize = 6;
+/// Trials even the shares out so often; the best distance from the walls is then planned as often as was asked for.
+const TRIAL_CORRECTIONS: usize = 1;
+/// So often the tracks are moved farther when the best trial is planned in full.
+const REFINEMENTS: usize = 4;
+/// Near enough to the share asked for.
+const NEAR: f64 = 1.5e-3;
 /// The raster may be so far off.
 const RASTER_ERROR: f64 = 5e-4;
 
 /// The best cover found that sweeps at least `target` of the ground; with all tracks when none does.
 pub(super) fn cover_share(instance: &PolygonInstance, options: &McfsOptions, target: f64) -> Option<Cover> {
-    let covers = LEAST_YIELDS.into_iter().filter_map(|yields| search(instance, options, target, yields));
-    let best = covers.min_by(|a, b| a.makespan_m().total_cmp(&b.makespan_m()));
-    best.or_else(|| super::whole(instance, options))
+    let trials = LEAST_YIELDS.into_iter().filter_map(|least_yield| {
+        let search = Search { instance, options, target, least_yield };
+        search.nearest().map(|(first_m, cover)| (search, first_m, cover))
+    });
+    let best = trials.min_by(|a, b| a.2.makespan_m().total_cmp(&b.2.makespan_m()));
+    match best {
+        Some((search, first_m, trial)) => Some(search.refined(first_m, trial)),
+        None => super::whole(instance, options),
+    }
 }
 
 /// Moves the tracks away from the walls until just enough is swept.
-fn search(instance: &PolygonInstance, options: &McfsOptions, target: f64, least_yield: f64) -> Option<Cover> {
-    let least_m = tracks::first_distance_m(instance);
-    let rim_m: f64 = instance.rings().map(|(_, ring)| Euclidean.length(ring)).sum();
-    let (mut enough, mut too_far) = (None::<(f64, f64)>, None::<(f64, f64)>);
-    let (mut first_m, mut best) = (least_m, None::<Cover>);
-    for _ in 0..TRIALS {
-        let tracks = worthwhile(instance, tracks::tracks(instance, first_m), least_yield);
-        let Some(cover) = lines_along(instance, options, &tracks, GROUND_WORTH) else { break };
-        let spare = cover.coverage - target - RASTER_ERROR;
-        if spare >= 0.0 {
-            enough = Some((first_m, spare));
-            if best.as_ref().is_none_or(|best| cover.makespan_m() < best.makespan_m()) {
-                best = Some(cover);
+struct Search<'a> {
+    instance: &'a PolygonInstance,
+    options: &'a McfsOptions,
+    target: f64,
+    least_yield: f64,
+}
+
+impl Search<'_> {
+    /// The best of a few trials that sweep enough: distance of the first track from the walls, and the lines.
+    fn nearest(&self) -> Option<(f64, Cover)> {
+        let corrections = TRIAL_CORRECTIONS.min(self.options.corrections);
+        let quick = McfsOptions { corrections, ..self.options.clone() };
+        let (mut enough, mut too_far) = (None::<(f64, f64)>, None::<(f64, f64)>);
+        let (mut first_m, mut best) = (tracks::first_distance_m(self.instance), None::<(f64, Cover)>);
+        for _ in 0..TRIALS {
+            let Some(cover) = self.lines(first_m, &quick) else { break };
+            let spare = self.spare(&cover);
+            if spare >= 0.0 {
+                enough = Some((first_m, spare));
+                if best.as_ref().is_none_or(|(_, best)| cover.makespan_m() < best.makespan_m()) {
+                    best = Some((first_m, cover));
+                }
+                if spare < NEAR {
+                    break;
+                }
+            } else {
+                too_far = Some((first_m, spare));
             }
-        } else {
-            too_far = Some((first_m, spare));
+            first_m = match (enough, too_far) {
+                (Some(enough), Some(too_far)) => between(enough, too_far),
+                (Some((near_m, spare)), None) => near_m + self.rim_m(spare),
+                (None, _) => break,
+            };
         }
-        first_m = match (enough, too_far) {
-            (Some(enough), Some(too_far)) => between(enough, too_far),
-            (Some((near_m, spare)), None) => near_m + spare * instance.area_m2() / rim_m,
-            (None, _) => break,
-        };
+        best
     }
-    best
+
+    /// Plans a trial in full, and moves the tracks on while enough is swept.
+    fn refined(&self, mut near_m: f64, mut best: Cover) -> Cover {
+        let mut step_m = self.rim_m(self.spare(&best).max(0.0));
+        for round in 0..=REFINEMENTS {
+            let first_m = if round == 0 { near_m } else { near_m + step_m };
+            let Some(cover) = self.lines(first_m, self.options) else { break };
+            let spare = self.spare(&cover);
+            if spare < 0.0 {
+                step_m *= 0.5;
+                continue;
+            }
+            (near_m, step_m) = (first_m, self.rim_m(spare));
+            if cover.makespan_m() < best.makespan_m() {
+                best = cover;
+            }
+        }
+        let cheaper =
+            CHEAPER_GROUND.into_iter().filter_map(|worth| self.lines_for(near_m, self.options, worth));
+        let enough = cheaper.filter(|cover| self.spare(cover) >= 0.0);
+        enough.chain([best.clone()]).min_by(|a, b| a.makespan_m().total_cmp(&b.makespan_m())).unwrap_or(best)
+    }
+
+    fn lines(&self, first_m: f64, options: &McfsOptions) -> Option<Cover> {
+        self.lines_for(first_m, options, GROUND_WORTH)
+    }
+
+    fn lines_for(&self, first_m: f64, options: &McfsOptions, ground_worth: f64) -> Option<Cover> {
+        let tracks = worthwhile(self.instance, tracks::tracks(self.instance, first_m), self.least_yield);
+        lines_along(self.instance, options, &tracks, ground_worth)
+    }
+
+    fn spare(&self, cover: &Cover) -> f64 {
+        cover.coverage - self.target - RASTER_ERROR
+    }
+
+    /// How wide a rim along all walls holds a share of the ground.
+    fn rim_m(&self, share: f64) -> f64 {
+        let walls_m: f64 = self.instance.rings().map(|(_, ring)| Euclidean.length(ring)).sum();
+        share * self.instance.area_m2() / walls_m
+    }
 }
 
 /// Where the spare coverage is likely to be gone, well within the two ends.
 fn between((near_m, spare): (f64, f64), (far_m, lack): (f64, f64)) -> f64 {
-    near_m + (far_m - near_m) * (spare / (spare - lack)).clamp(0.2, 0.8)
+    near_m + (far_m - near_m) * (spare / (spare - lack)).clamp(0.25, 0.85)
 }
 
 /// The tracks whose own ground is worth their way.
