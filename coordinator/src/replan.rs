@@ -4,8 +4,9 @@
 //! robots that can cover, each from the end of its base. While the planner works no ground is released, so the
 //! plan fits when it comes. An answer to an older request is dropped.
 //!
-//! A planner whose routes leave the lattice may leave a little unswept. What it leaves comes back as open cells, is visited along the lattice, and so gets done. When it
-//! cannot plan what is left, the planner [`FALLBACK`] does.
+//! A planner whose routes leave the lattice may leave a little unswept. What it leaves comes back as open cells, is visited
+//! along the lattice, and so gets done. Once its lines are under way they are repaired, without planning afresh; when that
+//! does not hold and it cannot plan what is left, the planner [`FALLBACK`] does.
 
 use crate::{
     Coordinator, Output, PlanRequest,
