@@ -135,6 +135,7 @@ fn plan_within(task: &Arc<Task>, args: &PlanArgs) -> Result<(VerifiedPlan, f64)>
         planner: task.planner.clone(),
         effort: args.effort,
         seed: args.seed,
+        warm: false,
         mcfs: args.mcfs.options(&task.planner)?,
     };
     let (sender, receiver) = mpsc::channel();

@@ -14,7 +14,7 @@ use protocol::{
     v1::{self, MissionState},
 };
 use std::{collections::BTreeMap, sync::Arc, time::Duration};
-use terrain::{Cell, Floor, FloorError};
+use terrain::{Cell, Floor, FloorError, Point};
 
 /// Pose error and tracking error that a sweep may have and still count, metres: what can be swept is reckoned
 /// with a tool that is smaller by this on all sides.
@@ -50,6 +50,8 @@ pub struct Coordinator {
     pub(crate) next_order_id: u64,
     /// Routes that have lost their robot since the last plan.
     pub(crate) orphans: Vec<Vec<Cell>>,
+    /// The same as lines of points.
+    pub(crate) orphan_lines: Vec<Vec<Point>>,
     pub(crate) sightings: crate::blockage::Sightings,
     pub(crate) idle_checks: crate::ending::IdleChecks,
     next_tick: Timestamp,
@@ -93,6 +95,7 @@ impl Coordinator {
             robots_lost: 0,
             next_order_id: 1,
             orphans: Vec::new(),
+            orphan_lines: Vec::new(),
             sightings: crate::blockage::Sightings::default(),
             idle_checks: crate::ending::IdleChecks::default(),
             next_tick: Timestamp::ZERO,

@@ -97,6 +97,11 @@ impl Ledger {
         self.required[index] & !self.raster.samples(index)
     }
 
+    /// Row-major: the samples of each cell that are swept.
+    pub(crate) fn swept(&self) -> Vec<u64> {
+        (0..self.status.len()).map(|index| self.raster.samples(index)).collect()
+    }
+
     /// Takes in one reported segment: sweeps a disc of `radius_m` for `robot`, and returns the number of cells
     /// that became COVERED by it.
     pub(crate) fn sweep(&mut self, robot: RobotIndex, segment: Segment, radius_m: f64) -> u32 {

@@ -3,7 +3,13 @@
 use planner::{Instance, Mode, PlanError, PlanOptions, Start, Station, VerifiedPlan};
 use protocol::v1;
 use std::sync::Arc;
-use terrain::{Cell, Floor, MotionModel};
+use terrain::{Cell, Floor, MotionModel, Point};
+
+/// Share of what is missing that a plan off the lattice must sweep …
+const COVERAGE_MIN: f64 = 0.99;
+/// … and a repair of lines under way: specks left behind earlier are no reason to wait for a better plan, they are visited
+/// in the end.
+const WARM_COVERAGE_MIN: f64 = 0.95;
 
 /// One thing to do.
 #[derive(Debug, Clone)]
@@ -77,6 +83,12 @@ pub struct PlanRequest {
     pub incumbent: Vec<Vec<Cell>>,
     /// Routes that have lost their robot.
     pub orphans: Vec<Vec<Cell>>,
+    /// Per robot: the points it still has ahead, where routes leave the lattice.
+    pub incumbent_lines: Vec<Vec<Point>>,
+    /// Such routes that have lost their robot.
+    pub orphan_lines: Vec<Vec<Point>>,
+    /// Samples that are swept already, row-major.
+    pub swept: Vec<u64>,
     /// How to plan.
     pub options: PlanOptions,
 }
@@ -103,9 +115,12 @@ impl PlanRequest {
             stations: self.stations.iter().copied().map(Station::at).collect(),
             battery: None,
             weights: None,
-            coverage_min: 0.99,
+            coverage_min: if self.options.warm { WARM_COVERAGE_MIN } else { COVERAGE_MIN },
             incumbent: self.incumbent.clone(),
             orphans: self.orphans.clone(),
+            incumbent_lines: self.incumbent_lines.clone(),
+            orphan_lines: self.orphan_lines.clone(),
+            swept: self.swept.clone(),
         }
     }
 }

@@ -4,8 +4,9 @@
 //! robots that can cover, each from the end of its base. While the planner works no ground is released, so the
 //! plan fits when it comes. An answer to an older request is dropped.
 //!
-//! A planner whose routes leave the lattice may leave a little unswept. What it leaves comes back as open cells, is visited along the lattice, and so gets done. When it
-//! cannot plan what is left, the planner [`FALLBACK`] does.
+//! A planner whose routes leave the lattice may leave a little unswept. What it leaves comes back as open cells, is visited
+//! along the lattice, and so gets done. Once its lines are under way they are repaired, without planning afresh; when that
+//! does not hold and it cannot plan what is left, the planner [`FALLBACK`] does.
 
 use crate::{
     Coordinator, Output, PlanRequest,
@@ -59,6 +60,15 @@ struct Task {
     visit: Vec<bool>,
     blocked: Vec<bool>,
     starts: Vec<Start>,
+}
+
+/// What is driven already, per robot, and what has lost its robot: as cells, or as lines.
+#[derive(Debug, Default)]
+struct UnderWay {
+    incumbent: Vec<Vec<Cell>>,
+    orphans: Vec<Vec<Cell>>,
+    incumbent_lines: Vec<Vec<Point>>,
+    orphan_lines: Vec<Vec<Point>>,
 }
 
 /// A request the planner has not answered yet.
@@ -174,8 +184,10 @@ impl Coordinator {
             .task_off_lattice(&untie, &robots, &motion)
             .or_else(|| self.task_on_lattice(&untie, &robots, &motion))?;
         let owners = self.owners(&task.visit);
-        let (incumbent, orphans) =
-            if untie.is_empty() { self.under_way(&robots) } else { (Vec::new(), Vec::new()) };
+        let off_lattice = !keeps_to_lattice(&task.planner);
+        let UnderWay { incumbent, orphans, incumbent_lines, orphan_lines } =
+            self.under_way(&robots, off_lattice, untie.is_empty());
+        let swept = if off_lattice { self.swept_or_granted(&robots) } else { Vec::new() };
         let revision = self.replanning.revision + 1;
         let flight = InFlight {
             revision,
@@ -188,7 +200,12 @@ impl Coordinator {
             planner: task.planner.clone(),
         };
         let stations: Vec<Cell> = self.station_cells();
-        let options = PlanOptions { planner: task.planner, seed: self.config.seed, ..PlanOptions::default() };
+        let options = PlanOptions {
+            planner: task.planner,
+            seed: self.config.seed,
+            warm: incumbent_lines.iter().chain(&orphan_lines).any(|line| line.len() > 1),
+            ..PlanOptions::default()
+        };
         let Task { visit, blocked, starts, .. } = task;
         let floor = Arc::clone(&self.floor);
         let mode = Mode::Cover;
@@ -204,6 +221,9 @@ impl Coordinator {
                 stations,
                 incumbent,
                 orphans,
+                incumbent_lines,
+                orphan_lines,
+                swept,
                 options,
             },
             flight,
@@ -264,17 +284,40 @@ impl Coordinator {
         Start { point: end.filter(has_room), ..start }
     }
 
-    /// What is driven already, and the routes without a robot. Nothing when nothing is, or when somebody's route leaves
-    /// the lattice.
-    fn under_way(&mut self, robots: &[RobotIndex]) -> (Vec<Vec<Cell>>, Vec<Vec<Cell>>) {
-        let incumbent: Vec<Vec<Cell>> = robots.iter().map(|&robot| self.horizon_cells(robot)).collect();
+    /// What is driven already, and the routes without a robot: as cells for a planner that keeps to the lattice where all
+    /// of them do, as lines for one that leaves it. Nothing when nothing is, or when it is not `wanted`.
+    fn under_way(&mut self, robots: &[RobotIndex], off_lattice: bool, wanted: bool) -> UnderWay {
         let orphans = std::mem::take(&mut self.orphans);
+        let orphan_lines = std::mem::take(&mut self.orphan_lines);
+        if !wanted {
+            return UnderWay::default();
+        }
+        if off_lattice {
+            let incumbent_lines = robots.iter().map(|&robot| self.line_ahead(robot)).collect();
+            return UnderWay { incumbent_lines, orphan_lines, ..UnderWay::default() };
+        }
+        let incumbent: Vec<Vec<Cell>> = robots.iter().map(|&robot| self.horizon_cells(robot)).collect();
         let leaves_lattice =
             robots.iter().any(|&robot| self.robots[robot].route.horizon().any(|node| node.cell.is_none()));
         if leaves_lattice || orphans.is_empty() && incumbent.iter().all(Vec::is_empty) {
-            return (Vec::new(), Vec::new());
+            return UnderWay::default();
         }
-        (incumbent, orphans)
+        UnderWay { incumbent, orphans, ..UnderWay::default() }
+    }
+
+    /// A robot's line from the end of its base on.
+    fn line_ahead(&self, robot: RobotIndex) -> Vec<Point> {
+        let route = &self.robots[robot].route;
+        route.base_end().into_iter().chain(route.horizon()).map(|node| node.point).collect()
+    }
+
+    /// Row-major: samples that are swept, or will be on the ground that is granted.
+    fn swept_or_granted(&self, robots: &[RobotIndex]) -> Vec<u64> {
+        let mut swept = self.ledger.swept();
+        for (index, samples) in self.swept_by(robots.iter().flat_map(|&robot| self.base_edges(robot))) {
+            swept[index] |= samples;
+        }
+        swept
     }
 
     fn horizon_cells(&self, robot: RobotIndex) -> Vec<Cell> {
@@ -283,9 +326,14 @@ impl Coordinator {
 
     /// A robot gives its route away: the planner may cut it up and hand it to others.
     pub(crate) fn orphan_route(&mut self, robot: RobotIndex) {
-        let cells: Vec<Cell> = self.robots[robot].route.ahead().filter_map(|node| node.cell).collect();
+        let ahead = || self.robots[robot].route.ahead();
+        let cells: Vec<Cell> = ahead().filter_map(|node| node.cell).collect();
+        let line: Vec<Point> = ahead().map(|node| node.point).collect();
         if !cells.is_empty() {
             self.orphans.push(cells);
+        }
+        if line.len() > 1 {
+            self.orphan_lines.push(line);
         }
     }
 

@@ -65,6 +65,13 @@ pub struct Instance<'a> {
     pub incumbent: Vec<Vec<Cell>>,
     /// Routes that have lost their robot, in their order.
     pub orphans: Vec<Vec<Cell>>,
+    /// The same for routes that leave the lattice: per robot, the points it still has ahead.
+    pub incumbent_lines: Vec<Vec<Point>>,
+    /// Lines that have lost their robot.
+    pub orphan_lines: Vec<Vec<Point>>,
+    /// Row-major by cell: samples that are swept already, so that nobody needs to sweep them again (see
+    /// [`terrain::SweptRaster`]). Empty when nothing is. Counts for plans that leave the lattice.
+    pub swept: Vec<u64>,
 }
 
 /// Why an instance is not sound.
@@ -181,6 +188,9 @@ impl<'a> Instance<'a> {
             coverage_min: 0.99,
             incumbent: Vec::new(),
             orphans: Vec::new(),
+            incumbent_lines: Vec::new(),
+            orphan_lines: Vec::new(),
+            swept: Vec::new(),
         };
         instance.visit = instance.reachable();
         instance
@@ -283,6 +293,11 @@ impl<'a> Instance<'a> {
         plain_s + added * lattice.cell_m / self.motion.speed_m_per_s
     }
 
+    /// The samples of the cell with this number that a plan which leaves the lattice has to sweep.
+    pub fn wanted(&self, index: usize) -> u64 {
+        self.floor.required(index) & !self.swept.get(index).copied().unwrap_or(0)
+    }
+
     /// Where a robot stands.
     pub fn place(&self, start: &Start) -> Point {
         start.point.unwrap_or_else(|| self.center(start.cell))
@@ -309,6 +324,10 @@ impl<'a> Instance<'a> {
             if found != lattice.len() {
                 return Err(InstanceError::WrongLength { list, found, expected: lattice.len() });
             }
+        }
+        if !self.swept.is_empty() && self.swept.len() != lattice.len() {
+            let (found, expected) = (self.swept.len(), lattice.len());
+            return Err(InstanceError::WrongLength { list: "swept", found, expected });
         }
         check_motion(&self.motion)?;
         if let Some(weights) = &self.weights {

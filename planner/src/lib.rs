@@ -28,6 +28,7 @@ mod plan;
 pub mod planners;
 mod recharging;
 mod repair;
+mod repair_lines;
 mod shortest_way;
 mod spanning_graph;
 mod spanning_trees;
@@ -55,13 +56,22 @@ pub struct PlanOptions {
     pub effort: u32,
     /// Seed for planners that draw.
     pub seed: u64,
+    /// Where lines are under way ([`Instance::incumbent_lines`]), answers with their repair when that holds, without
+    /// planning afresh: an order at once rather than a better one later.
+    pub warm: bool,
     /// What `mcfs` alone can be told.
     pub mcfs: mcfs::McfsOptions,
 }
 
 impl Default for PlanOptions {
     fn default() -> Self {
-        Self { planner: "tmstc-star".to_owned(), effort: 1, seed: 0, mcfs: mcfs::McfsOptions::default() }
+        Self {
+            planner: "tmstc-star".to_owned(),
+            effort: 1,
+            seed: 0,
+            warm: false,
+            mcfs: mcfs::McfsOptions::default(),
+        }
     }
 }
 
@@ -110,6 +120,9 @@ pub enum PlanError {
     },
 }
 
+/// A plan afresh replaces lines that are under way when it is better by this share: each change costs the fleet a stop.
+const PUBLISHED_BETTER_BY: f64 = 0.02;
+
 /// Plans with the planner named in `options`, and verifies what it made. Where routes are under way, the answer is
 /// compared with a repair of them, and the one with the smaller makespan is given.
 ///
@@ -126,8 +139,21 @@ pub fn plan(instance: &Instance<'_>, options: &PlanOptions) -> Result<VerifiedPl
     if let Some(index) = lost {
         return Err(PlanError::Unreachable(instance.floor.lattice().cell(index)));
     }
-    let fresh = (planner.plan)(instance, options)?;
-    let fresh = checked(instance, fresh, planner.name)?;
+    // What a repair leaves unswept is told by its verification: then another plan is needed.
+    let lines = repair_lines::repair(instance).and_then(|plan| checked(instance, plan, "repair").ok());
+    if options.warm
+        && let Some(lines) = lines
+    {
+        return Ok(lines);
+    }
+    let fresh = (planner.plan)(instance, options).and_then(|plan| checked(instance, plan, planner.name));
+    if let Some(lines) = lines {
+        let better = |fresh: &VerifiedPlan| {
+            fresh.figures().makespan_s < (1.0 - PUBLISHED_BETTER_BY) * lines.figures().makespan_s
+        };
+        return Ok(fresh.ok().filter(better).unwrap_or(lines));
+    }
+    let fresh = fresh?;
     let Some(repaired) = repair::repair(instance)? else { return Ok(fresh) };
     let repaired = checked(instance, repaired, "repair")?;
     let better = repaired.figures().makespan_s <= fresh.figures().makespan_s;

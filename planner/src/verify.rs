@@ -134,9 +134,9 @@ pub fn verify(instance: &Instance<'_>, plan: &Plan) -> Result<Figures, VerifyErr
     }
     let figures = measure(instance, plan, &entered, &raster, along_lattice);
     let missing = |index: &usize| {
-        let (index, required) = (*index, instance.floor.required(*index));
+        let (index, wanted) = (*index, instance.wanted(*index));
         instance.visit[index]
-            && if along_lattice { entered[index] == 0 } else { required & !raster.samples(index) != 0 }
+            && if along_lattice { entered[index] == 0 } else { wanted & !raster.samples(index) != 0 }
     };
     match (0..lattice.len()).find(missing).map(|index| lattice.cell(index)) {
         Some(cell) if along_lattice => Err(VerifyError::Gap(cell)),
@@ -236,9 +236,9 @@ fn measure(
     let cost_s: Vec<f64> = shifts.iter().map(|shift| shift.cost_s).collect();
     let (mut wanted, mut swept) = (0_u64, 0_u64);
     for index in (0..entered.len()).filter(|&index| instance.visit[index]) {
-        let required = instance.floor.required(index);
-        wanted += u64::from(required.count_ones());
-        swept += u64::from((required & raster.samples(index)).count_ones());
+        let here = instance.wanted(index);
+        wanted += u64::from(here.count_ones());
+        swept += u64::from((here & raster.samples(index)).count_ones());
     }
     let overlap = if along_lattice { entered_again(entered) } else { swept_again(instance, plan, raster) };
     Figures {
