@@ -14,9 +14,10 @@
 //! joins two closed lines, and where it costs least way and turning (at corners, at ends of pockets, beside an earlier
 //! joint) it turns tracks into the two arms of a Fermat spiral. The same exchange within one line, a *chord*, cuts it
 //! at any length into two; k − 1 chords share the line out, and pairs of neighbours are joined and cut again, or hand
-//! a part over, until line and drives are even. Then every line is smoothed: stretches give way to straight ones and
-//! bends while way + turning + ground lost becomes less, so that jogs of neighbouring arms become slants. Shares are
-//! evened out anew by the smoothed lengths.
+//! a part over, until line and drives are even, and joints within a line move to where they cost least. Then every line
+//! is smoothed: stretches give way to straight ones and bends while way + turning + ground lost becomes less, so that
+//! jogs of neighbouring arms become slants. Gaps that are left are visited by detours that are worth it, and tips are
+//! rounded. Shares are evened out anew by the lengths that came of it.
 //!
 //! **Guarantee.** Lines keep the body's radius from every wall (each link, chord, drive and shortcut is tested against
 //! the walls themselves). One line per piece of ground that some robot reaches. None on makespan; the bound is
@@ -338,6 +339,30 @@ mod tests {
     fn same_instance_same_plan() {
         let square = instance(&SQUARE, &[&[(0.8, 0.8), (0.8, 1.2), (1.2, 1.2)]], &[(0.2, 0.2), (1.8, 0.3)]);
         assert_eq!(made(&square), made(&square));
+    }
+
+    #[test]
+    fn each_robot_more_makes_the_longest_line_shorter() {
+        let hole: &[(f64, f64)] = &[(0.8, 0.8), (0.8, 1.2), (1.2, 1.2), (1.2, 0.8)];
+        let starts = [(0.2, 0.2), (1.8, 1.8), (0.2, 1.8), (1.8, 0.2), (1.0, 0.2), (1.0, 1.8)];
+        let longest_m = |robots: usize| {
+            let lines = made(&instance(&SQUARE, &[hole], &starts[..robots]));
+            lines.iter().map(|line| length_m(line)).fold(0.0, f64::max)
+        };
+        let longest_m: Vec<f64> = (1..=6).map(longest_m).collect();
+        assert!(longest_m.windows(2).all(|pair| pair[1] < pair[0]), "{longest_m:?}");
+        assert!(longest_m[5] < 0.2 * longest_m[0], "{longest_m:?}");
+    }
+
+    #[test]
+    fn no_line_turns_back_on_the_spot() {
+        let square = instance(&SQUARE, &[], &[(0.2, 0.2), (1.8, 1.8), (1.0, 1.0)]);
+        for line in made(&square) {
+            let steps: Vec<terrain::Vector> =
+                line.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| step.norm() > 1e-9).collect();
+            let turns = steps.windows(2).map(|pair| joint::turn_rad(pair[0], pair[1]).to_degrees());
+            assert!(turns.into_iter().all(|turn| turn < 150.0), "{line:?}");
+        }
     }
 
     /// Two rooms and a door of one and a half tool widths.

@@ -13,8 +13,8 @@ use terrain::{Point, Vector};
 
 /// Gaps of less than this many squares of tool width are left.
 const LEAST_AREA: f64 = 0.12;
-/// A detour ends this far before the far end of a gap, in tool widths.
-const INSET: f64 = 0.42;
+/// A detour ends this far before the far end of a gap, in tool widths: the less the better, but for walls.
+const INSETS: [f64; 3] = [0.42, 0.6, 0.8];
 /// Half the stretch of a line that gives way to a detour, in tool widths: each is tried.
 const BASES: [f64; 3] = [0.15, 0.5, 1.0];
 /// So many lines beside a gap are tried.
@@ -91,15 +91,15 @@ impl Gaps<'_> {
     ) -> Option<Detour> {
         let (from, to) = (lines[line][after], lines[line][after + 1]);
         let along = (to - from).try_normalize(1e-9)?;
-        let into = self.course(from, to, gap);
-        let foot = foot(from, to, *into.first()?);
-        let leave = foot - along * base_m.min((foot - from).norm());
-        let join = foot + along * base_m.min((to - foot).norm());
-        let points: Vec<Point> = [leave].into_iter().chain(into).chain([join]).collect();
+        let points = INSETS.into_iter().find_map(|inset| {
+            let into = self.course(from, to, gap, inset * self.width_m);
+            let foot = foot(from, to, *into.first()?);
+            let leave = foot - along * base_m.min((foot - from).norm());
+            let join = foot + along * base_m.min((to - foot).norm());
+            let points: Vec<Point> = [leave].into_iter().chain(into).chain([join]).collect();
+            self.is_clear(from, &points, to).then_some(points)
+        })?;
         let way: Vec<Point> = [from].into_iter().chain(points.iter().copied()).chain([to]).collect();
-        if !way.windows(2).all(|pair| self.walls.is_clear(pair[0], pair[1])) {
-            return None;
-        }
         let before_m2 = self.swept.unswept_m2();
         self.exchange(&lines[line], after, &points);
         let ground_m = (before_m2 - self.swept.unswept_m2()) / self.width_m;
@@ -109,19 +109,25 @@ impl Gaps<'_> {
     }
 
     /// Where a detour from a stretch goes: to the far end of a gap, or along a long one.
-    fn course(&self, from: Point, to: Point, gap: &[Point]) -> Vec<Point> {
+    fn course(&self, from: Point, to: Point, gap: &[Point], inset_m: f64) -> Vec<Point> {
         let near = foot(from, to, middle(gap));
         let far = farthest(gap, near);
         let other = farthest(gap, far);
         let inset = |end: Point, towards: Point| {
             let way = towards - end;
-            end + way * (INSET * self.width_m / way.norm().max(1e-9)).min(1.0)
+            end + way * (inset_m / way.norm().max(1e-9)).min(1.0)
         };
         if (far - other).norm() > LONG * self.width_m {
             vec![inset(other, far), inset(far, other)]
         } else {
             vec![inset(far, near)]
         }
+    }
+
+    fn is_clear(&self, from: Point, points: &[Point], to: Point) -> bool {
+        let mut clear = true;
+        each_step(from, points, to, |a, b| clear &= self.walls.is_clear(a, b));
+        clear
     }
 
     fn exchange(&mut self, line: &[Point], after: usize, points: &[Point]) {
@@ -170,4 +176,40 @@ fn turning_rad(way: &[Point]) -> f64 {
     let steps: Vec<Vector> =
         way.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| step.norm() > 1e-9).collect();
     steps.windows(2).map(|pair| turn_rad(pair[0], pair[1])).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mcfs::PolygonInstance;
+    use geo::Rect;
+
+    /// Two passes that leave a strip of six tenths of the tool between them.
+    #[test]
+    fn a_gap_beside_a_line_is_visited_when_its_ground_is_worth_it() {
+        let corners = [geo::coord! { x: 0.0, y: 0.0 }, geo::coord! { x: 1.0, y: 0.26 }];
+        let instance = PolygonInstance {
+            ground: Rect::new(corners[0], corners[1]).to_polygon(),
+            tool_width_m: 0.1,
+            body_radius_m: 0.05,
+            starts: Vec::new(),
+        };
+        let walls = Walls::new(&instance);
+        let visited = |ground_worth: f64| {
+            let ways = [[(0.05, 0.05), (0.95, 0.05)], [(0.05, 0.21), (0.95, 0.21)]];
+            let mut lines = ways.map(|way| way.map(|(x, y)| Point::new(x, y)).to_vec());
+            let mut swept = SweptCounts::new(&instance.ground, instance.tool_width_m);
+            for line in &lines {
+                swept.put_in(line[0], line[1]);
+            }
+            let before = swept.coverage();
+            Gaps { swept: &mut swept, walls: &walls, width_m: 0.1, ground_worth }.visit(&mut lines);
+            let points: usize = lines.iter().map(Vec::len).sum();
+            (before, swept.coverage(), points)
+        };
+        let (before, after, points) = visited(10.0);
+        assert!(before < 0.8 && after > 0.94 && points > 4, "{before} {after} {points}");
+        let (before, after, points) = visited(0.1);
+        assert!((after - before).abs() < 1e-9 && points == 4, "{before} {after} {points}");
+    }
 }

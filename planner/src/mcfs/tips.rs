@@ -18,7 +18,12 @@ const PARTING: f64 = 3.0;
 
 /// Rounds every tip of a line; its first and last point stay.
 pub(super) fn round_tips(line: &mut Vec<Point>, walls: &Walls, width_m: f64) {
+    let Some(&last) = line.last() else { return };
     line.dedup_by(|next, point| (*next - *point).norm() < 1e-6 * width_m);
+    if let Some(end) = line.last_mut() {
+        // The last two may have become one: the line ends where it ended.
+        *end = last;
+    }
     let mut at = 1;
     while at + 1 < line.len() {
         if turn_at(line, at) > TIP_RAD {
@@ -75,4 +80,53 @@ fn arm<'a>(points: impl Iterator<Item = &'a Point>, reach_m: f64) -> Option<(usi
         before = Some(point);
     }
     None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mcfs::PolygonInstance;
+    use geo::Rect;
+
+    fn walls() -> Walls {
+        let corners = [geo::coord! { x: -1.0, y: -1.0 }, geo::coord! { x: 3.0, y: 1.0 }];
+        Walls::new(&PolygonInstance {
+            ground: Rect::new(corners[0], corners[1]).to_polygon(),
+            tool_width_m: 0.1,
+            body_radius_m: 0.05,
+            starts: Vec::new(),
+        })
+    }
+
+    fn sharpest_rad(line: &[Point]) -> f64 {
+        (1..line.len() - 1).map(|at| turn_at(line, at)).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn a_line_that_runs_back_turns_in_two_corners() {
+        let mut line = [(0.0, 0.0), (1.0, 0.0), (2.0, 0.0), (1.0, 0.01), (0.0, 0.02)]
+            .map(|(x, y)| Point::new(x, y))
+            .to_vec();
+        assert!(sharpest_rad(&line) > 3.0);
+        round_tips(&mut line, &walls(), 0.1);
+        assert!(sharpest_rad(&line) < TIP_RAD, "{line:?}");
+        assert_eq!((line[0], line[line.len() - 1]), (Point::new(0.0, 0.0), Point::new(0.0, 0.02)));
+    }
+
+    #[test]
+    fn ends_stay_where_they_are_even_when_points_coincide() {
+        let start = Point::new(0.1, 0.1);
+        let mut line =
+            vec![start, Point::new(1.0, 0.1), Point::new(1.0, 0.5), start + Vector::new(1e-9, 0.0), start];
+        round_tips(&mut line, &walls(), 0.1);
+        assert!(line[0] == start && line[line.len() - 1] == start && line.len() == 4, "{line:?}");
+    }
+
+    #[test]
+    fn a_tip_at_a_wall_is_rounded_less_wide() {
+        let mut line = [(0.0, 0.94), (1.0, 0.94), (0.0, 0.93)].map(|(x, y)| Point::new(x, y)).to_vec();
+        round_tips(&mut line, &walls(), 0.1);
+        assert!(sharpest_rad(&line) < TIP_RAD, "{line:?}");
+        assert!(line.iter().all(|point| point.y <= 0.95 + 1e-6), "{line:?}");
+    }
 }
