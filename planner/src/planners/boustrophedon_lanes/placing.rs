@@ -1,53 +1,84 @@
-//! Where the lanes of an orientation are driven: the body has to fit, and what the squares need is to be swept.
+//! Where the lanes of an orientation are driven: the body has to fit, and what is swept has to be worth the time.
 //!
-//! A run of squares wants a lane along its middle. Where walls cut into the run the lane moves aside, in steps of half a
-//! place, to where it sweeps the most; it is no longer than it has to be to reach all samples of its squares that are left,
-//! and walls divide it. What remains of the run gets another lane if it is worth one.
+//! A run of squares wants a lane along its middle. Where walls cut into the run the lane moves aside, in small steps, to
+//! where it is worth the most: what it sweeps of the run's samples, less what its time could sweep elsewhere ([`Worth`]). By the same measure it ends where going on sweeps too little, so that the last half tool before a wall is
+//! left to the way along the wall to the next lane. Parts of a line with an obstacle between them are one lane that
+//! bends round it when that is hardly longer, else two.
 
 use crate::{
+    Instance,
     configuration_space::ConfigurationSpace,
     ground::Ground,
     lane_tour::Lane,
     minimum_lanes::{Orientation, Run, ToolLattice},
+    transfers::Transfers,
 };
+use std::f64::consts::PI;
 use terrain::{Point, Segment};
 
-/// A lane is worth driving if it sweeps this share of the squares along it.
-const WORTH: f64 = 0.25;
 /// A lane in the middle that sweeps this share of what is left need not move aside.
-const GOOD: f64 = 0.995;
+const GOOD: f64 = 0.98;
+/// Lines that are tried lie this share of a tool apart, at least.
+const STEPS_ASIDE: f64 = 14.0;
+/// Parts of a line are joined to one lane when the way between is longer than the gap by no more than this, tool widths.
+const DETOUR_TOOLS: f64 = 0.4;
+/// A place to visit is made a lane of this length, so that it is entered and left with a heading, tool widths.
+const VISIT_TOOLS: f64 = 0.1;
 
-/// One lane or more for each run, the longest runs first. What they sweep is swept in `ground`.
+/// What time is worth, in samples that could be swept elsewhere.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Worth {
+    pub(super) per_s: f64,
+    per_m: f64,
+    lane_turns: f64,
+}
+
+impl Worth {
+    /// With the share of a tool's full work that still counts as work.
+    pub(super) fn new(instance: &Instance<'_>, sample_m: f64, share: f64) -> Self {
+        let tool_m = instance.floor.tool_width_m();
+        let per_m = share * tool_m / (sample_m * sample_m);
+        let turn_m = instance.motion.turn_s(PI) * instance.motion.speed_m_per_s;
+        let per_s = per_m * instance.motion.speed_m_per_s;
+        Self { per_s, per_m, lane_turns: per_m * (turn_m + tool_m) }
+    }
+
+    /// A lane is driven anyway: only its length counts.
+    pub(super) fn without_turns(self) -> Self {
+        Self { lane_turns: 0.0, ..self }
+    }
+}
+
+/// Lanes for each run, the longest runs first. What they sweep is swept in `ground`.
 pub(super) fn lanes(
     space: &ConfigurationSpace<'_>,
+    transfers: &mut Transfers<'_, '_>,
     ground: &mut Ground,
     orientation: &Orientation,
+    worth: Worth,
 ) -> Vec<Lane> {
     let lattice = &orientation.lattice;
-    let samples = samples_of_squares(space, ground, lattice);
+    let samples = samples_of_squares(ground, lattice);
     let mut runs = orientation.runs();
-    runs.sort_by_key(|run| (std::cmp::Reverse(run.squares.len()), run.squares.clone()));
+    runs.sort_by_key(|run| (std::cmp::Reverse(run.squares.len()), run.squares[0]));
     let mut lanes = Vec::new();
-    let worth = (WORTH * whole_square(space, lattice)) as usize;
     for run in &runs {
-        let line = Lines { space, lattice, is_along: run.is_along };
+        let radius_m = ground.radius_m();
+        let step_m = (space.places().cell_m / 2.0).max(lattice.side_m / STEPS_ASIDE);
+        let line = Lines { space, lattice, is_along: run.is_along, radius_m, step_m, worth };
         let middle_m = line.middle_m(run);
         loop {
             let left = run.squares.iter().flat_map(|&square| &samples[square]);
             let left: Vec<[f64; 2]> = left
                 .filter(|&&place| ground.is_left(place as usize))
-                .map(|&place| line.position(space.point(place as usize)))
+                .map(|&place| line.position(ground.point(place as usize)))
                 .collect();
-            if left.len() < worth {
-                break;
-            }
-            let found = line.best(&left, middle_m, lattice.side_m / 2.0, ground.radius_m(), worth);
-            if found.is_empty() {
+            if (left.len() as f64) < worth.lane_turns {
                 break;
             }
             let before = ground.left_count();
-            for lane in found {
-                ground.sweep(&[lane.from, lane.to]);
+            for lane in line.best(transfers, &left, middle_m, lattice.side_m / 2.0) {
+                ground.sweep(&lane.points);
                 lanes.push(lane);
             }
             if ground.left_count() == before {
@@ -58,20 +89,11 @@ pub(super) fn lanes(
     lanes
 }
 
-/// Samples in a whole square.
-pub(super) fn whole_square(space: &ConfigurationSpace<'_>, lattice: &ToolLattice) -> f64 {
-    (lattice.side_m / space.places().cell_m).powi(2)
-}
-
-fn samples_of_squares(
-    space: &ConfigurationSpace<'_>,
-    ground: &Ground,
-    lattice: &ToolLattice,
-) -> Vec<Vec<u32>> {
+fn samples_of_squares(ground: &Ground, lattice: &ToolLattice) -> Vec<Vec<u32>> {
     let mut samples = vec![Vec::new(); lattice.is_in.len()];
-    for place in (0..space.places().len()).filter(|&place| ground.is_left(place)) {
-        if let Some(square) = lattice.square_at(space.point(place)) {
-            samples[square].push(place as u32);
+    for sample in (0..ground.samples().len()).filter(|&sample| ground.is_left(sample)) {
+        if let Some(square) = lattice.square_at(ground.point(sample)) {
+            samples[square].push(sample as u32);
         }
     }
     samples
@@ -82,13 +104,19 @@ pub(super) struct Lines<'l, 's> {
     pub(super) space: &'l ConfigurationSpace<'s>,
     pub(super) lattice: &'l ToolLattice,
     pub(super) is_along: bool,
+    pub(super) radius_m: f64,
+    /// How far apart the lines are that are tried.
+    pub(super) step_m: f64,
+    pub(super) worth: Worth,
 }
 
-/// Lanes on one line, as places along it, and how many samples they sweep.
-#[derive(Debug, Default)]
-struct OnLine {
-    parts: Vec<(f64, f64)>,
-    gain: usize,
+/// A part of a line, and what driving it is worth, its turns not counted.
+#[derive(Debug, Clone, Copy)]
+struct Part {
+    from_m: f64,
+    to_m: f64,
+    value: f64,
+    swept: usize,
 }
 
 impl Lines<'_, '_> {
@@ -106,75 +134,127 @@ impl Lines<'_, '_> {
         (if run.is_along { row } else { column } as f64 + 0.5) * self.lattice.side_m
     }
 
-    /// The lanes on the line near `middle_m` that sweeps the most of some samples.
+    /// The lanes on the line near `middle_m` that is worth the most for some samples.
     pub(super) fn best(
         &self,
+        transfers: &mut Transfers<'_, '_>,
         samples: &[[f64; 2]],
         middle_m: f64,
         aside_m: f64,
-        radius_m: f64,
-        worth: usize,
     ) -> Vec<Lane> {
-        let step_m = self.space.places().cell_m / 2.0;
+        let step_m = self.step_m;
         let count = (aside_m / step_m + 1e-6) as i32;
-        let mut best = self.on_line(samples, middle_m, radius_m, worth);
+        let mut best = self.on_line(samples, middle_m);
         let mut best_m = middle_m;
-        if best.gain as f64 <= GOOD * samples.len() as f64 {
+        let swept: usize = best.iter().map(|part| part.swept).sum();
+        if (swept as f64) < GOOD * samples.len() as f64 {
+            let mut best_value = self.value(&best);
             for number in (1..=count).flat_map(|number| [number, -number]) {
                 let across_m = middle_m + f64::from(number) * step_m;
-                let other = self.on_line(samples, across_m, radius_m, worth);
-                if other.gain > best.gain {
-                    (best, best_m) = (other, across_m);
+                let other = self.on_line(samples, across_m);
+                let value = self.value(&other);
+                if value > best_value {
+                    (best, best_m, best_value) = (other, across_m, value);
                 }
             }
         }
-        let lane = |(from_m, to_m)| Lane { from: self.point(from_m, best_m), to: self.point(to_m, best_m) };
-        best.parts.into_iter().map(lane).collect()
+        self.joined(transfers, &best, best_m)
     }
 
-    fn on_line(&self, samples: &[[f64; 2]], across_m: f64, radius_m: f64, worth: usize) -> OnLine {
-        let low_m = samples.iter().map(|at| at[0]).fold(f64::INFINITY, f64::min) - radius_m;
-        let high_m = samples.iter().map(|at| at[0]).fold(f64::NEG_INFINITY, f64::max) + radius_m;
+    /// Parts that are near each other share the turns to and from them.
+    fn groups<'p>(&self, parts: &'p [Part]) -> impl Iterator<Item = &'p [Part]> {
+        let near_m = 2.0 * self.lattice.side_m;
+        parts.chunk_by(move |one, next| next.from_m - one.to_m < near_m)
+    }
+
+    fn value_of_group(&self, group: &[Part]) -> f64 {
+        let gaps_m: f64 = group.windows(2).map(|pair| pair[1].from_m - pair[0].to_m).sum();
+        let parts: f64 = group.iter().map(|part| part.value).sum();
+        // A bend takes some turning as well.
+        let bends = 0.3 * (group.len() - 1) as f64 * self.worth.lane_turns;
+        parts - gaps_m * self.worth.per_m - self.worth.lane_turns - bends
+    }
+
+    fn value(&self, parts: &[Part]) -> f64 {
+        self.groups(parts).map(|group| self.value_of_group(group).max(0.0)).sum()
+    }
+
+    fn joined(&self, transfers: &mut Transfers<'_, '_>, parts: &[Part], across_m: f64) -> Vec<Lane> {
+        let most_m = DETOUR_TOOLS * self.lattice.side_m;
+        let mut lanes: Vec<Lane> = Vec::new();
+        for group in self.groups(parts).filter(|group| self.value_of_group(group) > 0.0) {
+            for (number, part) in group.iter().enumerate() {
+                let (from, to) = (self.point(part.from_m, across_m), self.point(part.to_m, across_m));
+                let before = lanes.last_mut().filter(|_| number > 0);
+                let bent = before.and_then(|lane| {
+                    let way = transfers.way(lane.to(), from)?;
+                    (way.length_m <= (from - lane.to()).norm() + most_m).then_some((lane, way))
+                });
+                match bent {
+                    Some((lane, way)) => {
+                        lane.points.extend(&way.points[1..]);
+                        lane.points.push(to);
+                    }
+                    None => lanes.push(Lane::straight(from, to)),
+                }
+            }
+        }
+        lanes
+    }
+
+    fn on_line(&self, samples: &[[f64; 2]], across_m: f64) -> Vec<Part> {
+        let low_m = samples.iter().map(|at| at[0]).fold(f64::INFINITY, f64::min) - self.radius_m;
+        let high_m = samples.iter().map(|at| at[0]).fold(f64::NEG_INFINITY, f64::max) + self.radius_m;
         let line = Segment::new(self.point(low_m, across_m), self.point(high_m, across_m));
-        let mut found = OnLine::default();
+        let reach: Vec<(f64, f64)> = samples
+            .iter()
+            .filter_map(|&[along, across]| {
+                let half2 = self.radius_m * self.radius_m - (across - across_m).powi(2);
+                // A little less, so that rounding leaves no sample just beyond reach.
+                let half = (half2 >= 0.0).then(|| (half2.sqrt() - 1e-6).max(0.0))?;
+                Some((along - half, along + half))
+            })
+            .collect();
+        let mut parts = Vec::new();
         for (from_m, to_m) in self.space.slice(line) {
-            let (begin, end, gain) = needed(samples, across_m, radius_m, low_m + from_m, low_m + to_m);
-            // A long lane has to sweep as much on each square of its length.
-            let squares = 1.0 + (end - begin).max(0.0) / self.lattice.side_m;
-            if gain == 0 || (gain as f64) < worth as f64 * squares {
-                continue;
-            }
-            let middle = self.point(f64::midpoint(begin, end), across_m);
-            if self.space.nearest_place(middle).is_some() {
-                found.parts.push((begin, end));
-                found.gain += gain;
+            let (from_m, to_m) = (low_m + from_m, low_m + to_m);
+            let Some(part) = self.worthy(&reach, from_m, to_m) else { continue };
+            let is_reached = |along_m| self.space.nearest_place(self.point(along_m, across_m)).is_some();
+            if is_reached(part.from_m) && is_reached(part.to_m) {
+                parts.push(part);
             }
         }
-        found
+        parts
     }
-}
 
-/// The shortest part between two places of a line from which all samples are swept that can be from between them, and how many
-/// these are.
-fn needed(samples: &[[f64; 2]], across_m: f64, radius_m: f64, low_m: f64, high_m: f64) -> (f64, f64, usize) {
-    let (mut begin, mut end, mut gain) = (f64::INFINITY, f64::NEG_INFINITY, 0);
-    for &[along, across] in samples {
-        let half2 = radius_m * radius_m - (across - across_m).powi(2);
-        if half2 < 0.0 {
-            continue;
+    /// The part between two places of a line that is worth the most. Each sample is swept from the places of the line
+    /// between two of its own.
+    fn worthy(&self, reach: &[(f64, f64)], low_m: f64, high_m: f64) -> Option<Part> {
+        let own: Vec<(f64, f64)> =
+            reach.iter().filter(|(begin, end)| *begin <= high_m && *end >= low_m).copied().collect();
+        let begins = own.iter().map(|&(begin, _)| begin.max(low_m));
+        let to_m = self.last_worthy(begins.collect(), low_m)?;
+        let ends = own.iter().filter(|(begin, _)| *begin <= to_m).map(|&(_, end)| -end.min(high_m));
+        let from_m = -self.last_worthy(ends.collect(), -to_m)?;
+        let swept =
+            own.iter().filter(|(begin, end)| *begin <= to_m.max(from_m) && *end >= from_m.min(to_m)).count();
+        let value = swept as f64 - (to_m - from_m).max(0.0) * self.worth.per_m;
+        let visit_m = VISIT_TOOLS * self.lattice.side_m;
+        let (mut from_m, mut to_m) = (from_m, to_m);
+        if to_m - from_m < visit_m {
+            let middle_m = f64::midpoint(from_m, to_m);
+            from_m = (middle_m - visit_m / 2.0).max(low_m);
+            to_m = (middle_m + visit_m / 2.0).min(high_m);
         }
-        // A little less, so that rounding leaves no sample just beyond reach.
-        let half = (half2.sqrt() - 1e-6).max(0.0);
-        if along + half < low_m || along - half > high_m {
-            continue;
-        }
-        gain += 1;
-        begin = begin.min((along + half).min(high_m));
-        end = end.max((along - half).max(low_m));
+        Some(Part { from_m, to_m, value, swept })
     }
-    if begin > end {
-        let middle = f64::midpoint(begin, end);
-        (begin, end) = (middle, middle);
+
+    /// How far to go on from a place when samples are swept as soon as their begin is passed.
+    fn last_worthy(&self, mut begins_m: Vec<f64>, from_m: f64) -> Option<f64> {
+        begins_m.sort_unstable_by(f64::total_cmp);
+        let value = |(number, &begin_m): (usize, &f64)| {
+            ((number + 1) as f64 - (begin_m - from_m).max(0.0) * self.worth.per_m, begin_m)
+        };
+        begins_m.iter().enumerate().map(value).max_by(|a, b| a.0.total_cmp(&b.0)).map(|best| best.1)
     }
-    (begin, end, gain)
 }

@@ -1,29 +1,21 @@
 //! Which robots drive which lanes: those that reach them, in parts of equal time.
 
-use super::Stop;
 use crate::{
-    Instance, Mode, Plan, configuration_space::ConfigurationSpace, lane_tour::Lane, transfers::Transfers,
+    Instance, Mode, Plan, configuration_space::ConfigurationSpace, lane_tour::Stop, transfers::Transfers,
 };
 use std::collections::BTreeMap;
 use terrain::Point;
 
-/// Connected pieces of the space: the robots on each, and the lanes.
-pub(super) fn pieces(space: &ConfigurationSpace<'_>, lanes: Vec<Lane>) -> Vec<(Vec<usize>, Vec<Lane>)> {
+/// The robots on each connected piece of the space.
+pub(super) fn groups(space: &ConfigurationSpace<'_>) -> Vec<Vec<usize>> {
     let piece = pieces_of_places(space);
-    let mut found: BTreeMap<u32, (Vec<usize>, Vec<Lane>)> = BTreeMap::new();
+    let mut found: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
     for (robot, start) in space.instance().starts.iter().enumerate() {
         if let Some(place) = space.place_in_middle(start.cell) {
-            found.entry(piece[place]).or_default().0.push(robot);
+            found.entry(piece[place]).or_default().push(robot);
         }
     }
-    for lane in lanes {
-        let middle = nalgebra::center(&lane.from, &lane.to);
-        let owner = space.nearest_place(middle).and_then(|place| found.get_mut(&piece[place]));
-        if let Some((_, own)) = owner {
-            own.push(lane);
-        }
-    }
-    found.into_values().filter(|(robots, lanes)| !robots.is_empty() && !lanes.is_empty()).collect()
+    found.into_values().collect()
 }
 
 fn pieces_of_places(space: &ConfigurationSpace<'_>) -> Vec<u32> {
@@ -56,8 +48,7 @@ pub(super) fn divide(
     stops: &[Stop],
     plan: &mut Plan,
 ) {
-    let time_s =
-        |stop: &Stop| instance.motion.path_s(&[stop.lane.from, stop.lane.to], None) + stop.way.inner_s;
+    let time_s = |stop: &Stop| instance.motion.path_s(&stop.lane.points, None) + stop.way.inner_s;
     let total_s: f64 = stops.iter().map(time_s).sum();
     let mut parts: Vec<Vec<&Stop>> = vec![Vec::new(); robots.len()];
     let mut so_far_s = 0.0;
@@ -90,12 +81,12 @@ fn route(
         if number > 0 || stop.way.points.first() == Some(&place) {
             points.extend(&stop.way.points);
         } else {
-            go(&mut points, place, first.lane.from);
+            go(&mut points, place, first.lane.from());
         }
-        points.extend([stop.lane.from, stop.lane.to]);
+        points.extend(&stop.lane.points);
     }
     if instance.mode == Mode::CoverAndReturn {
-        go(&mut points, last.lane.to, place);
+        go(&mut points, last.lane.to(), place);
     }
     points.dedup_by(|a, b| (*a - *b).norm() < 1e-7);
     points
