@@ -39,10 +39,10 @@ pub(crate) fn straightened(ground: &Polygon<f64>, depth_m: f64) -> Polygon<f64> 
 
 fn rebuilt(ground: &Polygon<f64>, corners: &[Point], stays: &[bool]) -> Polygon<f64> {
     let mut first = 0;
-    let mut ring = |old: &LineString<f64>| {
+    let mut ring = |old: &LineString<f64>| -> LineString<f64> {
         let numbers = first..first + old.0.len();
         first += old.0.len();
-        LineString::from_iter(numbers.filter(|&number| stays[number]).map(|n| (corners[n].x, corners[n].y)))
+        numbers.filter(|&number| stays[number]).map(|n| (corners[n].x, corners[n].y)).collect()
     };
     let exterior = ring(ground.exterior());
     Polygon::new(exterior, ground.interiors().iter().map(&mut ring).collect())
@@ -127,7 +127,7 @@ mod tests {
             let y = (f64::from(x) * rise).floor();
             ring.extend([(f64::from(x), y), (f64::from(x + 1), y)]);
         }
-        Polygon::new(LineString::from_iter(ring), Vec::new())
+        Polygon::new(ring.into_iter().collect(), Vec::new())
     }
 
     #[test]
