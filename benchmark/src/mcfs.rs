@@ -19,7 +19,7 @@ use std::path::Path;
 use terrain::Point;
 
 /// Shares of the ground asked for along the front.
-const FRONT: [f64; 5] = [0.80, 0.85, 0.90, 0.94, 0.97];
+const FRONT: [f64; 2] = [0.85, 0.95];
 /// Teams of Fig. 7.
 const TEAMS: std::ops::RangeInclusive<usize> = 2..=12;
 
