@@ -38,7 +38,7 @@ mod verify;
 pub use battery::{Battery, BreakOff, Station};
 pub use edge_weights::EdgeWeights;
 pub use instance::{Instance, InstanceError, Mode, Start};
-pub use lower_bound::lower_bound_s;
+pub use lower_bound::{area_bound_s, lower_bound_s};
 pub use plan::{Plan, Route, VerifiedPlan};
 pub use planners::{PLANNERS, Planner};
 pub use spanning_trees::{TREES, Tree, tree_turns};

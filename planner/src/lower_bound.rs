@@ -23,7 +23,7 @@ use crate::{
 use std::{
     cmp::Reverse,
     collections::{BTreeMap, BTreeSet, BinaryHeap},
-    f64::consts::FRAC_PI_2,
+    f64::consts::{FRAC_PI_2, PI},
 };
 use terrain::{Cell, Direction};
 
@@ -48,6 +48,15 @@ pub fn lower_bound_s(instance: &Instance<'_>) -> f64 {
     }
     let served = pieces.values().filter(|piece| !piece.robots.is_empty());
     served.map(|piece| piece.bound_s(instance)).fold(0.0, f64::max)
+}
+
+/// A time that no plan can beat that sweeps its share ([`Instance::coverage_min`]) of an area, on the lattice or off it,
+/// seconds: along a line of length L a disc of width w sweeps at most w·L + π·w²/4.
+pub fn area_bound_s(instance: &Instance<'_>, area_m2: f64) -> f64 {
+    let width_m = instance.floor.tool_width_m();
+    let own_m2 = instance.coverage_min * area_m2 / instance.starts.len() as f64;
+    let length_m = (own_m2 - PI * width_m * width_m / 4.0) / width_m;
+    (length_m / instance.motion.speed_m_per_s).max(0.0)
 }
 
 /// A connected piece of open ground.
@@ -297,6 +306,22 @@ mod tests {
         assert!((lower_bound_s(&instance) - MOTION.run_s(4.5)).abs() < 1e-9);
         let made = plan(&instance, &PlanOptions::default()).unwrap();
         assert!((made.figures().makespan_s - lower_bound_s(&instance)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn no_planner_beats_the_bound_of_the_area_and_lanes_come_near_it() {
+        let row = ".".repeat(60) + "\n";
+        let map = GridMap::from_drawing(row.repeat(40).trim_end(), 0.25).unwrap();
+        let floor = Floor::new(&map, 0.25, 0.2, 0.5).unwrap();
+        let starts = vec![Start::at(Cell::new(1, 1)), Start::at(Cell::new(50, 30))];
+        let instance = Instance::whole_floor(&floor, starts, MOTION, Mode::Cover);
+        let bound_s = area_bound_s(&instance, floor.coverable_m2());
+        let mut ratios = Vec::new();
+        for planner in ["boustrophedon-lanes", "mcfs", "tmstc-star"] {
+            let options = PlanOptions { planner: planner.to_owned(), ..PlanOptions::default() };
+            ratios.push(plan(&instance, &options).unwrap().figures().makespan_s / bound_s);
+        }
+        assert!(ratios.iter().all(|ratio| *ratio >= 1.0) && ratios[0] < 1.6, "{ratios:?}");
     }
 
     #[test]

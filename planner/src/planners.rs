@@ -32,7 +32,7 @@ pub struct Planner {
 impl Planner {
     /// Whether its lines leave the lattice, so that bounds in moves from cell to cell do not hold for it.
     pub fn leaves_lattice(&self) -> bool {
-        self.name.starts_with("boustrophedon") || self.name.starts_with("bc-sweep")
+        !keeps_to_lattice(self.name)
     }
 }
 
