@@ -180,11 +180,14 @@ fn equal_coverage(
 
 /// Makespan against coverage, the authors' point beside it.
 fn front(grounds: &[Ground], progress: Progress<'_>) -> Result<Table, BenchmarkError> {
+    let shares = FRONT.map(|share| format!("{:.0} %", 100.0 * share));
+    let shares = shares.iter().map(String::as_str);
+    let columns: Vec<&str> = ["polygon"].into_iter().chain(shares).chain(["all", "authors"]).collect();
     let mut table = Table::new(
         "mcfs_front",
         "Makespan for a share of the ground",
         "Makespan in metres (exact coverage in %) when a share of the ground is asked for; the authors' one point last.",
-        &["polygon", "80 %", "85 %", "90 %", "94 %", "97 %", "all", "authors"],
+        &columns,
     );
     for ground in grounds {
         let mut row = vec![ground.name.to_owned()];
