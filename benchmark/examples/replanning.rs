@@ -3,7 +3,7 @@
 //!
 //! `cargo run --release -p benchmark --example replanning -- airport_hall 8 boustrophedon-lanes`
 
-use nix::sys::resource::{UsageWho, getrusage};
+use benchmark::cpu::timed;
 use planner::{Instance, Mode, PlanError, PlanOptions, Start, VerifiedPlan, plan};
 use std::path::Path;
 use terrain::{Floor, MapFile, MotionModel, Point, Segment, SweptRaster};
@@ -148,16 +148,4 @@ impl<'a> HalfWay<'a> {
         later.visit.iter_mut().zip(reachable).for_each(|(visit, reached)| *visit &= reached);
         later
     }
-}
-
-/// User CPU seconds that `work` takes in this process, and its result.
-fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
-    let before_s = user_s();
-    let result = work();
-    (result, user_s() - before_s)
-}
-
-fn user_s() -> f64 {
-    let time = getrusage(UsageWho::RUSAGE_SELF).expect("a process may ask for its own usage").user_time();
-    time.tv_sec() as f64 + time.tv_usec() as f64 / 1e6
 }

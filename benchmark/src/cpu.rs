@@ -3,7 +3,7 @@
 use nix::sys::resource::{UsageWho, getrusage};
 
 /// User CPU seconds that `work` takes in this process, and its result.
-pub(crate) fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
+pub fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
     let before_s = user_s();
     let result = work();
     (result, user_s() - before_s)

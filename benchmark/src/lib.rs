@@ -8,7 +8,7 @@
 //! One file per benchmark. Each makes [`Table`]s; `oxplow bench` prints and writes them. Times are user CPU seconds of
 //! this process, never wall time: planners are single-threaded.
 
-mod cpu;
+pub mod cpu;
 mod grid;
 mod grid_instances;
 mod growth;

@@ -423,16 +423,9 @@ fn check_motion(motion: &MotionModel) -> Result<(), InstanceError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::test_motion::MOTION;
     use crate::{PlanError, PlanOptions, plan};
     use terrain::Lattice;
-
-    const MOTION: MotionModel = MotionModel {
-        speed_m_per_s: 0.5,
-        acceleration_m_per_s2: 0.6,
-        angular_speed_rad_per_s: 0.8,
-        angular_acceleration_rad_per_s2: f64::INFINITY,
-        brakes: true,
-    };
 
     /// Three cells in a row, the last one blocked: what is said of an instance on them.
     fn refused(tool_width_m: f64, change: impl FnOnce(&mut Instance<'_>)) -> PlanError {

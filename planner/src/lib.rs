@@ -32,6 +32,8 @@ mod repair_lines;
 mod shortest_way;
 mod spanning_graph;
 mod spanning_trees;
+#[cfg(test)]
+mod test_motion;
 mod transfers;
 mod verify;
 
@@ -214,16 +216,9 @@ fn begin_where_robots_stand(instance: &Instance<'_>, plan: &mut Plan) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::test_motion::MOTION;
     use proptest::{prelude::*, test_runner::RngSeed};
     use terrain::{Direction, Floor, Lattice, MotionModel, Point};
-
-    const MOTION: MotionModel = MotionModel {
-        speed_m_per_s: 0.5,
-        acceleration_m_per_s2: 0.6,
-        angular_speed_rad_per_s: 0.8,
-        angular_acceleration_rad_per_s2: f64::INFINITY,
-        brakes: true,
-    };
 
     fn floor(columns: u32, rows: u32, free: &[bool]) -> Floor {
         let lattice = Lattice { origin: Point::origin(), cell_m: 0.5, columns, rows };
@@ -261,6 +256,20 @@ mod tests {
         let asked = std::env::var("RANDOM_INSTANCES").ok().and_then(|count| count.parse().ok());
         let rng_seed = if asked.is_some() { RngSeed::Random } else { RngSeed::Fixed(1) };
         ProptestConfig { rng_seed, ..ProptestConfig::with_cases(asked.unwrap_or(60)) }
+    }
+
+    #[test]
+    fn charges_put_in_later_are_those_of_planning_with_a_battery() {
+        let floor = floor(12, 8, &[true; 96]);
+        let mut instance =
+            Instance::whole_floor(&floor, vec![Start::at(Cell::new(0, 0))], MOTION, Mode::CoverAndReturn);
+        let without = plan(&instance, &PlanOptions::default()).unwrap();
+        assert_eq!(recharge(&instance, &without).unwrap(), without);
+        instance.stations = vec![Station::at(Cell::new(0, 0))];
+        instance.battery = Some(Battery::lasting_s(90.0));
+        let with = recharge(&instance, &without).unwrap();
+        assert!(with.figures().charges[0] > 0, "{:?}", with.figures());
+        assert_eq!(with, plan(&instance, &PlanOptions::default()).unwrap());
     }
 
     proptest! {

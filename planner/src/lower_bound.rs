@@ -286,16 +286,9 @@ fn runs(instance: &Instance<'_>, before: Direction) -> (Vec<u32>, usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::test_motion::MOTION;
     use crate::{PLANNERS, PlanOptions, Start, plan};
-    use terrain::{Cell, Floor, GridMap, MotionModel};
-
-    const MOTION: MotionModel = MotionModel {
-        speed_m_per_s: 0.5,
-        acceleration_m_per_s2: 0.6,
-        angular_speed_rad_per_s: 0.8,
-        angular_acceleration_rad_per_s2: f64::INFINITY,
-        brakes: true,
-    };
+    use terrain::{Cell, Floor, GridMap};
 
     #[test]
     fn a_corridor_driven_from_its_end_takes_just_the_bound() {

@@ -527,17 +527,10 @@ fn cut(instance: &Instance<'_>, stretch: Stretch, most_s: f64) -> Vec<Stretch> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::test_motion::MOTION;
     use crate::{PlanOptions, Start, plan, verify};
     use proptest::prelude::*;
-    use terrain::{Floor, Lattice, MotionModel};
-
-    const MOTION: MotionModel = MotionModel {
-        speed_m_per_s: 0.5,
-        acceleration_m_per_s2: 0.6,
-        angular_speed_rad_per_s: 0.8,
-        angular_acceleration_rad_per_s2: f64::INFINITY,
-        brakes: true,
-    };
+    use terrain::{Floor, Lattice};
 
     /// A walk from cell to cell with its corners cut: over the middles between the cells.
     fn chamfered(points: &[Point]) -> Vec<Point> {

@@ -237,15 +237,8 @@ fn sweep_tour(ground: &mut Ground, tour: &mut LaneTour<'_, '_>) {
 mod tests {
     use super::*;
     use crate::Start;
-    use terrain::{Cell, Floor, Lattice, MotionModel};
-
-    const MOTION: MotionModel = MotionModel {
-        speed_m_per_s: 0.5,
-        acceleration_m_per_s2: 0.6,
-        angular_speed_rad_per_s: 0.8,
-        angular_acceleration_rad_per_s2: f64::INFINITY,
-        brakes: true,
-    };
+    use crate::test_motion::MOTION;
+    use terrain::{Cell, Floor, Lattice};
 
     /// Four robots on six cells: some sweep what is asked for where they stand, and one cell is blocked.
     #[test]

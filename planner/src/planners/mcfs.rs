@@ -117,16 +117,9 @@ fn runs(map: &GridMap, y: i64) -> Vec<(i64, i64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::test_motion::MOTION;
     use crate::{PlanError, Start, plan as planned};
-    use terrain::{Floor, MotionModel};
-
-    const MOTION: MotionModel = MotionModel {
-        speed_m_per_s: 0.5,
-        acceleration_m_per_s2: 0.6,
-        angular_speed_rad_per_s: 0.8,
-        angular_acceleration_rad_per_s2: f64::INFINITY,
-        brakes: true,
-    };
+    use terrain::Floor;
 
     /// Two rooms with a pillar, a door, and a corridor that only the body fits into.
     const ROOMS: &str = "\
