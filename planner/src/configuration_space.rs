@@ -14,10 +14,12 @@
 
 mod clearance;
 mod slices;
+mod wall_runs;
 
 use crate::Instance;
 use clearance::clearances_m;
 use terrain::{Cell, Direction, GridMap, Lattice, Point, Segment, Vector};
+use wall_runs::WallRuns;
 
 /// Column and row difference of the eight steps, anticlockwise from east; `opposite = step ^ 4`.
 pub(crate) const STEPS: [(i32, i32); 8] =
@@ -44,6 +46,7 @@ pub(crate) struct ConfigurationSpace<'a> {
     steps: Vec<u8>,
     reached: Vec<bool>,
     any_blocked: bool,
+    walls: Option<WallRuns>,
 }
 
 impl<'a> ConfigurationSpace<'a> {
@@ -62,6 +65,7 @@ impl<'a> ConfigurationSpace<'a> {
             steps: Vec::new(),
             reached: Vec::new(),
             any_blocked,
+            walls: instance.floor.map().map(WallRuns::new),
         };
         space.steps = space.open_steps();
         let everybody: Vec<usize> = (0..instance.starts.len()).collect();
@@ -72,7 +76,13 @@ impl<'a> ConfigurationSpace<'a> {
     /// The same ground, with only those places reached that these robots reach.
     pub(crate) fn only(&self, robots: &[usize]) -> Self {
         let reached = self.reached_from(robots);
-        Self { reached, clearance_m: self.clearance_m.clone(), steps: self.steps.clone(), ..*self }
+        Self {
+            reached,
+            clearance_m: self.clearance_m.clone(),
+            steps: self.steps.clone(),
+            walls: self.walls.clone(),
+            ..*self
+        }
     }
 
     /// The instance it was made for.
@@ -107,6 +117,13 @@ impl<'a> ConfigurationSpace<'a> {
     /// Whether a robot reaches a place.
     pub(crate) fn is_reached(&self, place: usize) -> bool {
         self.reached[place]
+    }
+
+    /// Whether a robot reaches the place that a point lies in, or one beside it.
+    pub(crate) fn is_reached_at(&self, point: Point) -> bool {
+        let Some(cell) = self.places.cell_at(point) else { return false };
+        let mut around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| Cell::new(cell.x + dx, cell.y + dy)));
+        around.any(|cell| self.places.index(cell).is_some_and(|place| self.reached[place]))
     }
 
     /// Row-major: the places that robots reach.
@@ -272,6 +289,11 @@ impl<'a> ConfigurationSpace<'a> {
 
     /// The nearest reached place with a free straight way from a point, within three places of it.
     pub(crate) fn nearest_place(&self, point: Point) -> Option<usize> {
+        let is_good = |place: usize| self.segment_is_free(Segment::new(point, self.point(place)));
+        let own = self.places.cell_at(point).and_then(|cell| self.places.index(cell));
+        if let Some(own) = own.filter(|&own| self.reached[own] && is_good(own)) {
+            return Some(own);
+        }
         let reach_m = 3.0 * self.places.cell_m;
         let low = Point::new(point.x - reach_m, point.y - reach_m);
         let high = Point::new(point.x + reach_m, point.y + reach_m);
@@ -283,9 +305,7 @@ impl<'a> ConfigurationSpace<'a> {
             .map(|place| ((self.point(place) - point).norm(), place))
             .collect();
         near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        near.into_iter()
-            .map(|(_, place)| place)
-            .find(|&place| self.segment_is_free(Segment::new(point, self.point(place))))
+        near.into_iter().map(|(_, place)| place).find(|&place| is_good(place))
     }
 
     /// Row-major by place: whether the square around a place is free ground within `radius_m` of a reached place.

@@ -69,6 +69,20 @@ impl Ground {
         self.wanted[place] && self.swept[place] == 0
     }
 
+    /// Columns and rows, first and last, between which all samples lie that are left.
+    pub(crate) fn left_box(&self) -> Option<[(usize, usize); 2]> {
+        let columns = self.samples.columns as usize;
+        let mut found: Option<[(usize, usize); 2]> = None;
+        for row in 0..self.samples.rows as usize {
+            let is_left = |column: &usize| self.is_left(row * columns + column);
+            let Some(first) = (0..columns).find(is_left) else { continue };
+            let last = (first..columns).rev().find(is_left).unwrap_or(first);
+            let [(low_x, high_x), (low_y, _)] = found.unwrap_or([(first, last), (row, row)]);
+            found = Some([(low_x.min(first), high_x.max(last)), (low_y, row)]);
+        }
+        found
+    }
+
     /// Share of the wanted samples that have been swept.
     pub(crate) fn coverage(&self) -> f64 {
         1.0 - self.left_count as f64 / self.wanted_count.max(1) as f64

@@ -11,18 +11,17 @@
 //! wanted ground goes on from one to the other. O(E √V) for V squares and at most 2 V edges.
 
 use crate::{configuration_space::ConfigurationSpace, ground::Ground, maximum_flow::Network};
-use terrain::{Point, Vector};
+use std::ops::Range;
+use terrain::{Lattice, Point, Vector};
 
 /// A square belongs to the lattice with this share of it wanted, at least.
 const SHARE_MIN: f64 = 0.06;
 
-/// Tool-wide squares over the ground, turned by an angle.
+/// Tool-wide squares over the ground.
 #[derive(Debug, Clone)]
 pub(crate) struct ToolLattice {
     /// Lower left corner of square 0.
     pub(crate) origin: Point,
-    /// Direction of the rows.
-    pub(crate) along: Vector,
     /// Side of a square, metres.
     pub(crate) side_m: f64,
     pub(crate) columns: usize,
@@ -52,96 +51,74 @@ pub(crate) struct Run {
 }
 
 impl ToolLattice {
-    /// Over the wanted ground, with rows in the direction `angle_rad` and moved by `shift` (shares of a square).
-    pub(crate) fn new(
-        space: &ConfigurationSpace<'_>,
-        ground: &Ground,
-        angle_rad: f64,
-        shift: [f64; 2],
-    ) -> Self {
+    /// Over the ground that is left, moved by `shift` (shares of a square).
+    pub(crate) fn new(space: &ConfigurationSpace<'_>, ground: &Ground, shift: [f64; 2]) -> Self {
         let side_m = space.instance().floor.tool_width_m();
-        let along = Vector::new(angle_rad.cos(), angle_rad.sin());
-        let across = Vector::new(-along.y, along.x);
-        let wanted: Vec<usize> = (0..ground.samples().len()).filter(|&place| ground.is_left(place)).collect();
-        let mut low = [f64::INFINITY; 2];
-        let mut high = [f64::NEG_INFINITY; 2];
-        for &place in &wanted {
-            let at = ground.point(place).coords;
-            for (axis, place) in [along.dot(&at), across.dot(&at)].into_iter().enumerate() {
-                low[axis] = low[axis].min(place);
-                high[axis] = high[axis].max(place);
-            }
-        }
-        let half_m = ground.samples().cell_m / 2.0;
-        let corner = [0, 1].map(|axis| low[axis] - half_m - shift[axis] * side_m);
-        let count =
-            |axis: usize| ((high[axis] + half_m - corner[axis]) / side_m - 1e-6).ceil().max(1.0) as usize;
-        let origin = Point::from(along * corner[0] + across * corner[1]);
-        let (columns, rows) = if wanted.is_empty() { (0, 0) } else { (count(0), count(1)) };
+        let samples = ground.samples();
+        let [x, y] = ground.left_box().unwrap_or_default();
+        let corner = [x, y].map(|range| range.0 as f64 * samples.cell_m);
+        let corner = [0, 1].map(|axis| corner[axis] - shift[axis] * side_m);
+        let count = |axis: usize, last: usize| {
+            let far_m = (last + 1) as f64 * samples.cell_m;
+            ((far_m - corner[axis]) / side_m - 1e-6).ceil().max(1.0) as usize
+        };
+        let (columns, rows) = if ground.left_count() == 0 { (0, 0) } else { (count(0, x.1), count(1, y.1)) };
         let mut lattice = Self {
-            origin,
-            along,
+            origin: samples.origin + Vector::from(corner),
             side_m,
             columns,
             rows,
             is_in: Vec::new(),
             joined: vec![[false; 2]; columns * rows],
         };
-        lattice.mark(ground, &wanted);
+        lattice.mark(ground);
         lattice
     }
 
-    fn mark(&mut self, ground: &Ground, wanted: &[usize]) {
-        let mut samples = vec![0_u32; self.columns * self.rows];
-        for &place in wanted {
-            if let Some(square) = self.square_at(ground.point(place)) {
-                samples[square] += 1;
-            }
-        }
-        let whole = (self.side_m / ground.samples().cell_m).powi(2);
-        self.is_in = samples.iter().map(|&count| f64::from(count) >= (SHARE_MIN * whole).max(1.0)).collect();
-        for &place in wanted {
-            self.join_at(ground, place);
-        }
+    /// The samples in a column (axis 0) or row (axis 1) of squares: a range of their columns or rows.
+    pub(crate) fn samples_in(&self, samples: &Lattice, axis: usize, number: usize) -> Range<usize> {
+        let most = if axis == 0 { samples.columns } else { samples.rows };
+        let begin = |number: usize| {
+            let from_m = self.origin[axis] - samples.origin[axis] + number as f64 * self.side_m;
+            (from_m / samples.cell_m - 0.5 - 1e-9).ceil().clamp(0.0, f64::from(most)) as usize
+        };
+        begin(number)..begin(number + 1)
     }
 
-    /// Joins neighbouring squares where wanted ground goes on from one to the other.
-    fn join_at(&mut self, ground: &Ground, place: usize) {
-        let Some(one) = self.square_at(ground.point(place)) else { return };
-        let columns = ground.samples().columns as usize;
-        let around = [place + 1, place + columns, place.wrapping_sub(1), place.wrapping_sub(columns)];
-        for beyond in around.into_iter().filter(|&beyond| beyond < ground.samples().len()) {
-            if !ground.is_left(beyond) {
-                continue;
-            }
-            match self.square_at(ground.point(beyond)) {
-                Some(other) if other == one + 1 => self.joined[one][0] = true,
-                Some(other) if other == one + self.columns => self.joined[one][1] = true,
-                _ => {}
+    fn mark(&mut self, ground: &Ground) {
+        let samples = *ground.samples();
+        let x: Vec<Range<usize>> = (0..self.columns).map(|n| self.samples_in(&samples, 0, n)).collect();
+        let y: Vec<Range<usize>> = (0..self.rows).map(|n| self.samples_in(&samples, 1, n)).collect();
+        let index = |column: usize, row: usize| row * samples.columns as usize + column;
+        let is_left = |column: usize, row: usize| ground.is_left(index(column, row));
+        let least = (SHARE_MIN * (self.side_m / samples.cell_m).powi(2)).max(1.0);
+        for (row, rows) in y.iter().enumerate() {
+            for (column, columns) in x.iter().enumerate() {
+                let in_row = |row: usize| columns.clone().filter(|&column| is_left(column, row)).count();
+                let count: usize = rows.clone().map(in_row).sum();
+                self.is_in.push(count as f64 >= least);
+                let (right, up) = (columns.end, rows.end);
+                // Joined to the next square where ground goes on across its first column or row.
+                let joined = &mut self.joined[row * self.columns + column];
+                joined[0] = column + 1 < self.columns
+                    && right > 0
+                    && rows.clone().any(|row| is_left(right - 1, row) && is_left(right, row));
+                joined[1] = row + 1 < self.rows
+                    && up > 0
+                    && columns.clone().any(|column| is_left(column, up - 1) && is_left(column, up));
             }
         }
-    }
-
-    pub(crate) fn across(&self) -> Vector {
-        Vector::new(-self.along.y, self.along.x)
     }
 
     /// Distances of a point from the origin along the rows and across them.
     pub(crate) fn position(&self, point: Point) -> [f64; 2] {
         let from_origin = point - self.origin;
-        [self.along.dot(&from_origin), self.across().dot(&from_origin)]
+        [from_origin.x, from_origin.y]
     }
 
     /// The point at these distances.
-    pub(crate) fn point(&self, [along_m, across_m]: [f64; 2]) -> Point {
-        self.origin + self.along * along_m + self.across() * across_m
-    }
-
-    /// Row-major number of the square that holds a point.
-    pub(crate) fn square_at(&self, point: Point) -> Option<usize> {
-        let [x, y] = self.position(point).map(|metres| (metres / self.side_m).floor());
-        let inside = x >= 0.0 && y >= 0.0 && x < self.columns as f64 && y < self.rows as f64;
-        inside.then_some(y as usize * self.columns + x as usize)
+    pub(crate) fn point(&self, from_origin: [f64; 2]) -> Point {
+        self.origin + Vector::from(from_origin)
     }
 
     fn left(&self, square: usize) -> Option<usize> {

@@ -15,21 +15,22 @@ impl ConfigurationSpace<'_> {
     pub(crate) fn slice(&self, segment: Segment) -> Vec<(f64, f64)> {
         let length_m = segment.length();
         let mut closed: Vec<(f64, f64)> = Vec::new();
-        if let Some(map) = self.instance.floor.map() {
-            closed_by_squares(
-                map,
-                segment,
-                self.instance.floor.body_radius_m() - 0.5 * TANGENT_M,
-                &mut closed,
-            );
+        if let (Some(map), Some(walls)) = (self.instance.floor.map(), &self.walls) {
+            let radius_m = self.instance.floor.body_radius_m() - 0.5 * TANGENT_M;
+            match axis(segment) {
+                Some(axis) => walls.each_closed(axis, segment, radius_m, |begin_m, end_m| {
+                    closed.push((begin_m - MARGIN_M, end_m + MARGIN_M));
+                }),
+                None => closed_by_squares(map, segment, radius_m, &mut closed),
+            }
         }
         if self.any_blocked || self.instance.floor.map().is_none() {
             self.closed_by_cells(segment, &mut closed);
         }
-        closed.sort_by(|a, b| a.0.total_cmp(&b.0));
+        closed.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
         let mut open = Vec::new();
         let mut from_m = 0.0;
-        for (begin_m, end_m) in closed.into_iter().chain([(length_m, length_m)]) {
+        for (begin_m, end_m) in closed.into_iter().take_while(|part| part.0 < length_m).chain([(length_m, length_m)]) {
             if begin_m - from_m > 2.0 * MARGIN_M {
                 open.push((from_m, begin_m));
             }
@@ -61,6 +62,11 @@ impl ConfigurationSpace<'_> {
             before = cell;
         }
     }
+}
+
+/// 0 for a segment along x, 1 for one along y.
+fn axis(segment: Segment) -> Option<usize> {
+    (0..2).find(|axis| segment.from[1 - axis] == segment.to[1 - axis])
 }
 
 /// The pieces of a segment between the lines of a lattice, as distances from its first end.
@@ -185,21 +191,24 @@ mod tests {
         let instance = Instance::whole_floor(&floor, vec![Start::at(cell)], MOTION, Mode::Cover);
         let space = ConfigurationSpace::new(&instance);
         let mut parts = 0;
-        for step in 0..40 {
-            let y = 0.0 + f64::from(step) * 0.025;
-            let line = Segment::new(Point::new(0.0, y), Point::new(3.0, 1.0 - y));
+        let number = |step: i32| f64::from(step) * 0.025;
+        let slanting = (0..40).map(|step| [[0.0, number(step)], [3.0, 1.0 - number(step)]]);
+        let flat = (0..40).map(|step| [[-0.3, number(step)], [3.2, number(step)]]);
+        let steep = (0..120).map(|step| [[number(step), 1.1], [number(step), -0.1]]);
+        for [from, to] in slanting.chain(flat).chain(steep) {
+            let line = Segment::new(Point::from(from), Point::from(to));
             let at = |way_m: f64| line.from + (line.to - line.from) * (way_m / line.length());
             let open = space.slice(line);
             for &(from_m, to_m) in &open {
                 parts += 1;
-                assert!(floor.segment_is_free(Segment::new(at(from_m), at(to_m))), "{y}: {open:?}");
+                assert!(floor.segment_is_free(Segment::new(at(from_m), at(to_m))), "{line:?}: {open:?}");
             }
             for sample in 0..600 {
                 let way_m = line.length() * f64::from(sample) / 600.0;
                 let inside = open.iter().any(|part| part.0 <= way_m && way_m <= part.1);
-                assert!(inside || !map.disc_is_free(at(way_m), 0.2001), "{y} {way_m} {open:?}");
+                assert!(inside || !map.disc_is_free(at(way_m), 0.2001), "{line:?} {way_m} {open:?}");
             }
         }
-        assert!(parts > 20);
+        assert!(parts > 100);
     }
 }

@@ -18,6 +18,7 @@
 
 mod balancing;
 mod placing;
+mod profile;
 mod residue;
 mod sharing;
 mod splitting;
@@ -127,7 +128,7 @@ impl<'p, 'a> Piece<'p, 'a> {
         let mut best: Option<(f64, Orientation, LaneTour<'p, 'a>)> = None;
         for &shift in shifts {
             self.ground.clear();
-            let orientation = Orientation::minimum(ToolLattice::new(self.space, &self.ground, 0.0, shift));
+            let orientation = Orientation::minimum(ToolLattice::new(self.space, &self.ground, shift));
             let mut tour = self.first_tour(&orientation);
             tour.improve(0, &mut ChaCha8Rng::seed_from_u64(self.options.seed));
             self.balance(&orientation, &mut tour, &mut self.worth());

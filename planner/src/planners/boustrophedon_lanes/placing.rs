@@ -5,6 +5,7 @@
 //! left to the way along the wall to the next lane. Parts of a line with an obstacle between them are one lane that
 //! bends round it when that is hardly longer, else two.
 
+use super::profile::{Samples, Slab, Swath};
 use crate::{
     Instance,
     configuration_space::ConfigurationSpace,
@@ -14,7 +15,7 @@ use crate::{
     transfers::Transfers,
 };
 use std::f64::consts::PI;
-use terrain::{Point, Segment};
+use terrain::{Cell, Point, Segment};
 
 /// A lane in the middle that sweeps this share of what is left need not move aside.
 const GOOD: f64 = 0.98;
@@ -58,7 +59,6 @@ pub(super) fn lanes(
     worth: Worth,
 ) -> Vec<Lane> {
     let lattice = &orientation.lattice;
-    let samples = samples_of_squares(ground, lattice);
     let mut runs = orientation.runs();
     runs.sort_by_key(|run| (std::cmp::Reverse(run.squares.len()), run.squares[0]));
     let mut lanes = Vec::new();
@@ -68,16 +68,13 @@ pub(super) fn lanes(
         let line = Lines { space, lattice, is_along: run.is_along, radius_m, step_m, worth };
         let middle_m = line.middle_m(run);
         loop {
-            let left = run.squares.iter().flat_map(|&square| &samples[square]);
-            let left: Vec<[f64; 2]> = left
-                .filter(|&&place| ground.is_left(place as usize))
-                .map(|&place| line.position(ground.point(place as usize)))
-                .collect();
-            if (left.len() as f64) < worth.lane_turns {
+            let slab = line.slab(ground, run);
+            let left = Samples::Slab(&slab);
+            if (left.count() as f64) < worth.lane_turns {
                 break;
             }
             let before = ground.left_count();
-            for lane in line.best(transfers, &left, middle_m, lattice.side_m / 2.0) {
+            for lane in line.best(transfers, left, middle_m, lattice.side_m / 2.0) {
                 ground.sweep(&lane.points);
                 lanes.push(lane);
             }
@@ -87,16 +84,6 @@ pub(super) fn lanes(
         }
     }
     lanes
-}
-
-fn samples_of_squares(ground: &Ground, lattice: &ToolLattice) -> Vec<Vec<u32>> {
-    let mut samples = vec![Vec::new(); lattice.is_in.len()];
-    for sample in (0..ground.samples().len()).filter(|&sample| ground.is_left(sample)) {
-        if let Some(square) = lattice.square_at(ground.point(sample)) {
-            samples[square].push(sample as u32);
-        }
-    }
-    samples
 }
 
 /// Lines along one direction of a lattice. Positions are (along the line, across it).
@@ -134,31 +121,43 @@ impl Lines<'_, '_> {
         (if run.is_along { row } else { column } as f64 + 0.5) * self.lattice.side_m
     }
 
+    /// The samples of a run that are left.
+    fn slab(&self, ground: &Ground, run: &Run) -> Slab {
+        let number = |square: usize| [square % self.lattice.columns, square / self.lattice.columns];
+        let (first, last) = (number(run.squares[0]), number(run.squares[run.squares.len() - 1]));
+        let range = |axis: usize| {
+            let of = |number| self.lattice.samples_in(ground.samples(), axis, number);
+            of(first[axis]).start..of(last[axis]).end
+        };
+        let ranges = [range(0), range(1)];
+        let corner = Cell::new(ranges[0].start as i32, ranges[1].start as i32);
+        let first_m = self.position(ground.samples().center(corner));
+        Slab::new(ground, ranges, first_m, self.is_along)
+    }
+
     /// The lanes on the line near `middle_m` that is worth the most for some samples.
     pub(super) fn best(
         &self,
         transfers: &mut Transfers<'_, '_>,
-        samples: &[[f64; 2]],
+        samples: Samples<'_>,
         middle_m: f64,
         aside_m: f64,
     ) -> Vec<Lane> {
         let step_m = self.step_m;
         let count = (aside_m / step_m + 1e-6) as i32;
-        let mut best = self.on_line(samples, middle_m);
-        let mut best_m = middle_m;
-        let swept: usize = best.iter().map(|part| part.swept).sum();
-        if (swept as f64) < GOOD * samples.len() as f64 {
-            let mut best_value = self.value(&best);
+        let middle = self.on_line(samples, middle_m, false);
+        let mut best = (self.value(&middle), middle_m);
+        let swept: usize = middle.iter().map(|part| part.swept).sum();
+        if (swept as f64) < GOOD * samples.count() as f64 {
             for number in (1..=count).flat_map(|number| [number, -number]) {
                 let across_m = middle_m + f64::from(number) * step_m;
-                let other = self.on_line(samples, across_m);
-                let value = self.value(&other);
-                if value > best_value {
-                    (best, best_m, best_value) = (other, across_m, value);
+                let value = self.value(&self.on_line(samples, across_m, false));
+                if value > best.0 {
+                    best = (value, across_m);
                 }
             }
         }
-        self.joined(transfers, &best, best_m)
+        self.joined(transfers, &self.on_line(samples, best.1, true), best.1)
     }
 
     /// Parts that are near each other share the turns to and from them.
@@ -202,24 +201,19 @@ impl Lines<'_, '_> {
         lanes
     }
 
-    fn on_line(&self, samples: &[[f64; 2]], across_m: f64) -> Vec<Part> {
-        let low_m = samples.iter().map(|at| at[0]).fold(f64::INFINITY, f64::min) - self.radius_m;
-        let high_m = samples.iter().map(|at| at[0]).fold(f64::NEG_INFINITY, f64::max) + self.radius_m;
-        let line = Segment::new(self.point(low_m, across_m), self.point(high_m, across_m));
-        let reach: Vec<(f64, f64)> = samples
-            .iter()
-            .filter_map(|&[along, across]| {
-                let half2 = self.radius_m * self.radius_m - (across - across_m).powi(2);
-                // A little less, so that rounding leaves no sample just beyond reach.
-                let half = (half2 >= 0.0).then(|| (half2.sqrt() - 1e-6).max(0.0))?;
-                Some((along - half, along + half))
-            })
-            .collect();
+    /// The parts of the line at `across_m` that are worth driving; ends are looked at closely where it is `fine`.
+    fn on_line(&self, samples: Samples<'_>, across_m: f64, fine: bool) -> Vec<Part> {
+        let profile = samples.profile(across_m, self.radius_m, fine);
+        let line = Segment::new(self.point(profile.from_m, across_m), self.point(profile.to_m(), across_m));
         let mut parts = Vec::new();
         for (from_m, to_m) in self.space.slice(line) {
-            let (from_m, to_m) = (low_m + from_m, low_m + to_m);
-            let Some(part) = self.worthy(&reach, from_m, to_m) else { continue };
-            let is_reached = |along_m| self.space.nearest_place(self.point(along_m, across_m)).is_some();
+            let (low_m, high_m) = (profile.from_m + from_m, profile.from_m + to_m);
+            let Some(swath) = profile.worthy(low_m, high_m, self.worth.per_m) else { continue };
+            let part = self.part(swath, low_m, high_m);
+            let is_reached = |along_m: f64| {
+                let point = self.point(along_m, across_m);
+                if fine { self.space.nearest_place(point).is_some() } else { self.space.is_reached_at(point) }
+            };
             if is_reached(part.from_m) && is_reached(part.to_m) {
                 parts.push(part);
             }
@@ -227,34 +221,15 @@ impl Lines<'_, '_> {
         parts
     }
 
-    /// The part between two places of a line that is worth the most. Each sample is swept from the places of the line
-    /// between two of its own.
-    fn worthy(&self, reach: &[(f64, f64)], low_m: f64, high_m: f64) -> Option<Part> {
-        let own: Vec<(f64, f64)> =
-            reach.iter().filter(|(begin, end)| *begin <= high_m && *end >= low_m).copied().collect();
-        let begins = own.iter().map(|&(begin, _)| begin.max(low_m));
-        let to_m = self.last_worthy(begins.collect(), low_m)?;
-        let ends = own.iter().filter(|(begin, _)| *begin <= to_m).map(|&(_, end)| -end.min(high_m));
-        let from_m = -self.last_worthy(ends.collect(), -to_m)?;
-        let swept =
-            own.iter().filter(|(begin, end)| *begin <= to_m.max(from_m) && *end >= from_m.min(to_m)).count();
-        let value = swept as f64 - (to_m - from_m).max(0.0) * self.worth.per_m;
+    fn part(&self, swath: Swath, low_m: f64, high_m: f64) -> Part {
+        let Swath { mut from_m, mut to_m, swept } = swath;
+        let value = swept as f64 - (to_m - from_m) * self.worth.per_m;
         let visit_m = VISIT_TOOLS * self.lattice.side_m;
-        let (mut from_m, mut to_m) = (from_m, to_m);
         if to_m - from_m < visit_m {
             let middle_m = f64::midpoint(from_m, to_m);
             from_m = (middle_m - visit_m / 2.0).max(low_m);
             to_m = (middle_m + visit_m / 2.0).min(high_m);
         }
-        Some(Part { from_m, to_m, value, swept })
-    }
-
-    /// How far to go on from a place when samples are swept as soon as their begin is passed.
-    fn last_worthy(&self, mut begins_m: Vec<f64>, from_m: f64) -> Option<f64> {
-        begins_m.sort_unstable_by(f64::total_cmp);
-        let value = |(number, &begin_m): (usize, &f64)| {
-            ((number + 1) as f64 - (begin_m - from_m).max(0.0) * self.worth.per_m, begin_m)
-        };
-        begins_m.iter().enumerate().map(value).max_by(|a, b| a.0.total_cmp(&b.0)).map(|best| best.1)
+        Part { from_m, to_m, value, swept }
     }
 }

@@ -4,7 +4,7 @@
 //! put between two others. Whatever sweeps the most for the time it takes comes first, until the coverage asked for
 //! is reached.
 
-use super::placing::Lines;
+use super::{placing::Lines, profile::Samples};
 use crate::{
     ground::Ground,
     lane_tour::{Lane, LaneTour},
@@ -252,7 +252,8 @@ impl Residue<'_, '_, '_> {
             let low_m = samples.iter().map(|at| at[1]).fold(f64::INFINITY, f64::min);
             let high_m = samples.iter().map(|at| at[1]).fold(f64::NEG_INFINITY, f64::max);
             let aside_m = (high_m - low_m) / 2.0 + self.ground.radius_m();
-            for lane in lines.best(self.tour.transfers(), &samples, f64::midpoint(low_m, high_m), aside_m) {
+            let samples = Samples::Loose(&samples, self.ground.samples().cell_m);
+            for lane in lines.best(self.tour.transfers(), samples, f64::midpoint(low_m, high_m), aside_m) {
                 let gain: usize =
                     lane.points.windows(2).map(|pair| self.ground.gain(Segment::new(pair[0], pair[1]))).sum();
                 let cost_s = self.least_cost_s(&lane);
