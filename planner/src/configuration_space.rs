@@ -144,6 +144,21 @@ impl<'a> ConfigurationSpace<'a> {
         (0..8).filter(move |step| open >> step & 1 == 1).map(move |step| (step, self.beyond(place, step)))
     }
 
+    /// As [`Self::steps`], so many of them on end in the same direction.
+    pub(crate) fn strides(&self, place: usize, stride: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let open = self.steps[place];
+        (0..8).filter(move |step| open >> step & 1 == 1).filter_map(move |step| {
+            let mut at = self.beyond(place, step);
+            for _ in 1..stride {
+                if self.steps[at] >> step & 1 == 0 {
+                    return None;
+                }
+                at = self.beyond(at, step);
+            }
+            Some((step, at))
+        })
+    }
+
     fn beyond(&self, place: usize, step: usize) -> usize {
         let (dx, dy) = STEPS[step];
         (place as isize + dy as isize * self.places.columns as isize + dx as isize) as usize
@@ -205,8 +220,8 @@ impl<'a> ConfigurationSpace<'a> {
             && (floor.map().is_some() || floor.segment_is_free(segment))
     }
 
-    fn is_free(&self, place: usize) -> bool {
-        let (floor, cell) = (self.instance.floor, self.cell_index(place));
+    fn is_free(&self, place: usize, cell: usize) -> bool {
+        let floor = self.instance.floor;
         let fits = match floor.map() {
             Some(_) => self.clearance_m(place) >= floor.body_radius_m() - 0.5 * TANGENT_M,
             None => floor.is_drivable(cell),
@@ -214,19 +229,37 @@ impl<'a> ConfigurationSpace<'a> {
         fits && !self.instance.blocked[cell]
     }
 
+    /// Row-major: whether the body's centre may be at a place.
+    fn free_places(&self) -> Vec<bool> {
+        let (columns, fineness) = (self.places.columns as usize, self.fineness as usize);
+        let cells_across = columns / fineness;
+        let mut free = vec![false; self.places.len()];
+        for (row, free) in free.chunks_exact_mut(columns).enumerate() {
+            let first_cell = row / fineness * cells_across;
+            for (cell, free) in free.chunks_exact_mut(fineness).enumerate() {
+                for (column, free) in free.iter_mut().enumerate() {
+                    let place = row * columns + cell * fineness + column;
+                    *free = self.is_free(place, first_cell + cell);
+                }
+            }
+        }
+        free
+    }
+
     fn open_steps(&self) -> Vec<u8> {
-        let free: Vec<bool> = (0..self.places.len()).map(|place| self.is_free(place)).collect();
+        let free = self.free_places();
         let mut steps = vec![0_u8; self.places.len()];
         let (columns, rows) = (self.places.columns as i32, self.places.rows as i32);
-        for place in (0..self.places.len()).filter(|&place| free[place]) {
-            let at = self.places.cell(place);
+        let enough_m = [self.clear_for(0), self.clear_for(1)];
+        for (place, _) in free.iter().enumerate().filter(|(_, free)| **free) {
+            let (x, y) = (place as i32 % columns, place as i32 / columns);
             for (step, (dx, dy)) in STEPS.into_iter().enumerate().take(4) {
-                let to = Cell::new(at.x + dx, at.y + dy);
-                if to.x < 0 || to.x >= columns || to.y >= rows {
+                let (to_x, to_y) = (x + dx, y + dy);
+                if to_x < 0 || to_x >= columns || to_y >= rows {
                     continue;
                 }
                 let beyond = self.beyond(place, step);
-                if free[beyond] && self.step_is_open(place, beyond) {
+                if free[beyond] && self.step_is_open(place, beyond, enough_m[step % 2]) {
                     steps[place] |= 1 << step;
                     steps[beyond] |= 1 << (step ^ 4);
                 }
@@ -235,24 +268,30 @@ impl<'a> ConfigurationSpace<'a> {
         steps
     }
 
-    fn step_is_open(&self, from: usize, to: usize) -> bool {
-        let segment = Segment::new(self.point(from), self.point(to));
-        let floor = self.instance.floor;
-        let half_m = segment.length() / 2.0;
-        // Between two places that are so far from a point, it is not nearer than the body's radius.
-        let enough_m = floor.body_radius_m().hypot(half_m);
-        let clear = self.clearance_m(from).min(self.clearance_m(to)) >= enough_m
-            || floor
-                .map()
-                .is_none_or(|map| map.capsule_is_free(segment, floor.body_radius_m() - 0.5 * TANGENT_M));
+    /// Between two places with so much clearance, a step apart, no point is nearer to a wall than the body's radius.
+    fn clear_for(&self, step: usize) -> f32 {
+        let (dx, dy) = STEPS[step];
+        let half_m = f64::from(dx).hypot(f64::from(dy)) * self.places.cell_m / 2.0;
+        self.instance.floor.body_radius_m().hypot(half_m) as f32 + 1e-6
+    }
+
+    fn step_is_open(&self, from: usize, to: usize, enough_m: f32) -> bool {
+        let clear = self.clearance_m[from].min(self.clearance_m[to]) >= enough_m || {
+            let segment = Segment::new(self.point(from), self.point(to));
+            let (map, radius_m) = (self.instance.floor.map(), self.instance.floor.body_radius_m());
+            map.is_none_or(|map| piece_is_free(map, segment, radius_m - 0.5 * TANGENT_M))
+        };
         clear && self.crosses_openly(from, to)
     }
 
     /// Whether a step stays in its cell, or leads to the next one by an open move and past no blocked corner.
     fn crosses_openly(&self, from: usize, to: usize) -> bool {
         let (floor, lattice) = (self.instance.floor, self.instance.floor.lattice());
+        if floor.map().is_some() && !self.any_blocked {
+            return true;
+        }
         let (one, other) = (self.cell_index(from), self.cell_index(to));
-        if one == other || (floor.map().is_some() && !self.any_blocked) {
+        if one == other {
             return true;
         }
         let (one, other) = (lattice.cell(one), lattice.cell(other));
@@ -366,7 +405,11 @@ fn piece_is_free(map: &GridMap, segment: Segment, radius_m: f64) -> bool {
     for y in index(middle.y - far_m)..=index(middle.y + far_m) {
         let low_m = y as f64 * square_m;
         let aside_m = (low_m - middle.y).max(middle.y - low_m - square_m).max(0.0);
-        for x in index(middle.x - far_m)..=index(middle.x + far_m) {
+        let (first, last) = (index(middle.x - far_m), index(middle.x + far_m));
+        if map.row_is_free(y, first, last) {
+            continue;
+        }
+        for x in first..=last {
             if map.is_free(x, y) {
                 continue;
             }
@@ -464,7 +507,7 @@ mod tests {
             for place in 0..space.places().len() {
                 let disc = map.disc_is_free(space.point(place), floor.body_radius_m() - TANGENT_M);
                 let blocked = space.instance().blocked[space.cell_index(place)];
-                assert_eq!(space.is_free(place), disc && !blocked, "{}", space.point(place));
+                assert_eq!(space.free_places()[place], disc && !blocked, "{}", space.point(place));
             }
         });
     }
@@ -500,8 +543,9 @@ mod tests {
     fn a_free_segment_is_free_for_verify_and_almost_the_other_way_round() {
         with_space(0.25, |space| {
             let (mut said, mut truth) = (0, 0);
-            for from in (0..space.places().len()).step_by(5).filter(|&place| space.is_free(place)) {
-                for to in (0..space.places().len()).step_by(7).filter(|&place| space.is_free(place)) {
+            let free = space.free_places();
+            for from in (0..space.places().len()).step_by(5).filter(|&place| free[place]) {
+                for to in (0..space.places().len()).step_by(7).filter(|&place| free[place]) {
                     let segment = Segment::new(space.point(from), space.point(to));
                     let free = space.instance().floor.segment_is_free(segment);
                     assert!(free || !space.segment_is_free(segment), "{segment:?}");

@@ -17,7 +17,7 @@
 use crate::transfers::{Targets, Transfers, Way, heading_rad};
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
-use terrain::{Point, Vector};
+use terrain::{Point, Vector, angle_between};
 
 /// Near ends that are kept for each end.
 const NEAR: usize = 10;
@@ -31,6 +31,8 @@ const BRIDGE_S: f64 = 25.0;
 const BETTER_S: f64 = 1e-7;
 /// The place of a lane that is not on the tour.
 const OUT: u32 = u32::MAX;
+/// The way of two ends of which only a bound on the price is known.
+const UNKNOWN: u32 = u32::MAX;
 
 /// A line of points that is free for the body all along, straight where nothing is in the way. One point (or the same one
 /// twice) is a place that is only visited.
@@ -80,7 +82,8 @@ pub(crate) struct LaneTour<'s, 'a> {
     ends: Vec<Point>,
     /// Per end: heading out of its lane.
     outward_rad: Vec<Option<f64>>,
-    /// Per end, by number of the other end: price and way from this end to that one.
+    /// Per end, by number of the other end: price and way from this end to that one. Where the way is [`UNKNOWN`], the
+    /// price is more than that.
     known: Vec<Vec<(u32, f64, u32)>>,
     ways: Vec<Option<Way>>,
     near: Vec<Vec<u32>>,
@@ -205,14 +208,11 @@ impl<'s, 'a> LaneTour<'s, 'a> {
             let (before, after) = (self.exit(before_at), self.entry(after_at));
             let entry = if follows { end } else { end ^ 1 };
             let freed_s = self.price(before, after);
-            if self.price_at_least(before, entry) + self.price_at_least(entry ^ 1, after) - freed_s >= best.0
-            {
-                continue;
-            }
-            let more_s = self.price(before, entry) + self.price(entry ^ 1, after) - freed_s;
-            if more_s < best.0 {
-                best = (more_s, (before_at % lanes) + 1, entry);
-            }
+            let most_s = best.0 + freed_s;
+            let least_s = self.price_at_least(entry ^ 1, after);
+            let Some(to_s) = self.price_below(before, entry, most_s - least_s) else { continue };
+            let Some(from_s) = self.price_below(entry ^ 1, after, most_s - to_s) else { continue };
+            best = (to_s + from_s - freed_s, (before_at % lanes) + 1, entry);
         }
         best
     }
@@ -304,9 +304,8 @@ impl<'s, 'a> LaneTour<'s, 'a> {
     /// The way from one end to another.
     pub(crate) fn way(&mut self, from: usize, to: usize) -> Option<Way> {
         self.price(from, to);
-        let known = &self.known[from];
-        let found = known.binary_search_by_key(&(to as u32), |entry| entry.0).ok()?;
-        let way = self.ways[known[found].2 as usize].as_ref()?;
+        let (_, number) = self.entry_of(from, to)?;
+        let way = self.ways[number as usize].as_ref()?;
         Some(if from < to { way.clone() } else { way.reversed() })
     }
 
@@ -314,10 +313,12 @@ impl<'s, 'a> LaneTour<'s, 'a> {
     fn find_near_ends(&mut self, first: usize) {
         for end in first..self.ends.len() {
             let wanted = |other: usize| other / 2 != end / 2 && !self.is_gone[other / 2];
-            let found =
-                self.transfers.ways_to_nearest(self.ends[end], &self.targets, wanted, f64::INFINITY, NEAR);
-            for (other, way) in found {
+            let from = self.ends[end];
+            let found = self.transfers.nearest(from, &self.targets, wanted, f64::INFINITY, NEAR);
+            for near in found {
+                let other = near.target;
                 if self.lookup(end, other).is_none() {
+                    let Some(way) = self.transfers.way_to(from, &self.targets, near) else { continue };
                     let way = if end < other { way } else { way.reversed() };
                     self.learn(end.min(other), end.max(other), Some(way));
                 }
@@ -338,9 +339,14 @@ impl<'s, 'a> LaneTour<'s, 'a> {
         self.near[end] = near;
     }
 
-    fn lookup(&self, from: usize, to: usize) -> Option<f64> {
+    fn entry_of(&self, from: usize, to: usize) -> Option<(f64, u32)> {
         let known = &self.known[from];
-        known.binary_search_by_key(&(to as u32), |entry| entry.0).ok().map(|found| known[found].1)
+        let found = known.binary_search_by_key(&(to as u32), |entry| entry.0).ok()?;
+        Some((known[found].1, known[found].2))
+    }
+
+    fn lookup(&self, from: usize, to: usize) -> Option<f64> {
+        self.entry_of(from, to).filter(|&(_, way)| way != UNKNOWN).map(|(price_s, _)| price_s)
     }
 
     /// Remembers the way between two ends, the smaller number first.
@@ -353,33 +359,68 @@ impl<'s, 'a> LaneTour<'s, 'a> {
         let price_s = if from == 0 && !self.returns { 0.0 } else { time_s };
         let number = self.ways.len() as u32;
         self.ways.push(way);
-        for (one, other) in [(from, to), (to, from)] {
-            let place = self.known[one].binary_search_by_key(&(other as u32), |entry| entry.0);
-            if let Err(place) = place {
-                self.known[one].insert(place, (other as u32, price_s, number));
-            }
-        }
+        self.note(from, to, price_s, number);
         price_s
     }
 
-    fn price(&mut self, from: usize, to: usize) -> f64 {
-        if let Some(price_s) = self.lookup(from, to) {
-            return price_s;
+    fn note(&mut self, from: usize, to: usize, price_s: f64, way: u32) {
+        for (one, other) in [(from, to), (to, from)] {
+            let entry = (other as u32, price_s, way);
+            match self.known[one].binary_search_by_key(&(other as u32), |entry| entry.0) {
+                Ok(place) => self.known[one][place] = entry,
+                Err(place) => self.known[one].insert(place, entry),
+            }
         }
-        let (one, other) = (from.min(to), from.max(to));
-        let way = self.transfers.way(self.ends[one], self.ends[other]);
-        self.learn(one, other, way)
     }
 
-    /// No more than the price; exact where it is known.
-    fn price_at_least(&self, from: usize, to: usize) -> f64 {
-        self.lookup(from, to).unwrap_or_else(|| {
-            if !self.returns && from.min(to) == 0 {
-                return 0.0;
+    fn price(&mut self, from: usize, to: usize) -> f64 {
+        self.price_below(from, to, f64::INFINITY).unwrap_or(f64::INFINITY)
+    }
+
+    /// The price where it is less than `limit_s`. No way is looked for that would be much longer.
+    fn price_below(&mut self, from: usize, to: usize, limit_s: f64) -> Option<f64> {
+        if let Some(price_s) = self.lookup(from, to) {
+            return Some(price_s).filter(|&price_s| price_s < limit_s);
+        }
+        if self.price_at_least(from, to) > limit_s {
+            return None;
+        }
+        let (one, other) = (from.min(to), from.max(to));
+        let speed = self.transfers.space().instance().motion.speed_m_per_s;
+        let limit_m = (limit_s - self.turns_at_least_s(from, to)) * speed;
+        match self.transfers.way_within(self.ends[one], self.ends[other], limit_m) {
+            None if limit_s < f64::INFINITY => {
+                self.note(one, other, limit_s, UNKNOWN);
+                None
             }
-            let way: Vector = self.ends[to] - self.ends[from];
-            way.norm() / self.transfers.space().instance().motion.speed_m_per_s
-        })
+            way => Some(self.learn(one, other, way)).filter(|&price_s| price_s < limit_s),
+        }
+    }
+
+    /// As a rule no more than the price; exact where it is known.
+    fn price_at_least(&self, from: usize, to: usize) -> f64 {
+        self.entry_of(from, to).map_or_else(
+            || {
+                if !self.returns && from.min(to) == 0 {
+                    return 0.0;
+                }
+                let way: Vector = self.ends[to] - self.ends[from];
+                let speed = self.transfers.space().instance().motion.speed_m_per_s;
+                way.norm() / speed + self.turns_at_least_s(from, to)
+            },
+            |(price_s, _)| price_s,
+        )
+    }
+
+    /// However the way bends: it has to come from the heading of the one lane to that of the other.
+    fn turns_at_least_s(&self, from: usize, to: usize) -> f64 {
+        match (self.outward_rad[from], self.outward_rad[to]) {
+            (Some(out), Some(of_next)) if self.returns || from.min(to) != 0 => {
+                let turn = angle_between(out, of_next + std::f64::consts::PI);
+                self.transfers.space().instance().motion.turn_s(turn)
+            }
+            _ => 0.0,
+        }
     }
 
     fn nearest_first(&mut self) -> Vec<u32> {
@@ -531,10 +572,8 @@ impl<'s, 'a> LaneTour<'s, 'a> {
             let near_at = self.at[near / 2] as usize;
             let near_partner = if leaves { self.entry(near_at + 1) } else { self.exit(near_at + lanes - 1) };
             let saved_s = now_s + self.price(near, near_partner) - joined_s;
-            if self.price_at_least(partner, near_partner) >= saved_s - BETTER_S {
-                continue;
-            }
-            let gain_s = saved_s - self.price(partner, near_partner);
+            let Some(other_s) = self.price_below(partner, near_partner, saved_s - BETTER_S) else { continue };
+            let gain_s = saved_s - other_s;
             if gain_s > BETTER_S {
                 if leaves {
                     self.turn_around(at + 1, near_at);
@@ -594,13 +633,8 @@ impl<'s, 'a> LaneTour<'s, 'a> {
         let (first, last) = (self.entry(begin), self.exit(begin + count - 1));
         let (before, after) = (self.exit(begin + lanes - 1), self.entry(begin + count));
         let apart_s = self.price(before, first) + self.price(last, after);
-        if self.price_at_least(before, after) >= apart_s {
-            return None;
-        }
-        let freed_s = apart_s - self.price(before, after);
-        if freed_s <= BETTER_S {
-            return None;
-        }
+        let closed_s = self.price_below(before, after, apart_s - BETTER_S)?;
+        let freed_s = apart_s - closed_s;
         let inside = |at: usize| (at + lanes - begin) % lanes < count;
         for (end, far) in [(first, last), (last, first)] {
             for number in 0..self.near[end].len() {
@@ -620,10 +654,8 @@ impl<'s, 'a> LaneTour<'s, 'a> {
                 }
                 let beyond = if leaves { self.entry(beyond_at) } else { self.exit(beyond_at) };
                 let opened_s = freed_s + self.price(near, beyond) - joined_s;
-                if self.price_at_least(far, beyond) >= opened_s - BETTER_S {
-                    continue;
-                }
-                let gain_s = opened_s - self.price(far, beyond);
+                let Some(far_s) = self.price_below(far, beyond, opened_s - BETTER_S) else { continue };
+                let gain_s = opened_s - far_s;
                 if gain_s > BETTER_S {
                     // The piece is entered by `end` when it comes after `near`, else by `far`.
                     let entered_by = if leaves { end } else { far };

@@ -5,7 +5,8 @@
 //! ```
 //!
 //! A search grows from one place over the open steps until what is asked for has been reached, so that its cost depends
-//! on how far that is and not on the size of the floor. What it finds is pulled tight: points are left out wherever the
+//! on how far that is and not on the size of the floor. It goes in strides of a few steps in the same direction, and step by
+//! step only where that does not get there: through passages as narrow as the body. What it finds is pulled tight: points are left out wherever the
 //! straight line between others is free. A [`Way`] holds the very points that are driven, and is priced by them: no
 //! price is paid for one way and another one driven.
 
@@ -13,13 +14,20 @@ use crate::{
     Instance,
     configuration_space::{ConfigurationSpace, STEPS},
 };
-use terrain::{Point, Segment, Vector, angle_between};
+use std::collections::{BTreeMap, BTreeSet};
+use terrain::{Cell, Point, Segment, Vector, angle_between};
 
 /// Cost of a straight and of a slanting step.
 const STRAIGHT: u32 = 10;
 const SLANTING: u32 = 14;
+/// Most places to a step of a search.
+const STRIDE_MAX: usize = 3;
+/// A step is no longer than this share of a tool.
+const STRIDE_TOOLS: f64 = 0.25;
+/// A way over eight directions is longer than the shortest by no more than this.
+const EIGHT_DIRECTIONS: f64 = 1.0824;
 /// Buckets of a queue of costs that differ by at most a slanting step and what an estimate of the rest grows by with it.
-const BUCKETS: usize = 2 * SLANTING as usize + 1;
+const BUCKETS: usize = 2 * STRIDE_MAX * SLANTING as usize + 1;
 const UNSEEN: u32 = u32::MAX;
 /// The step that leads nowhere: where a search began.
 const ROOT: u8 = 8;
@@ -96,6 +104,9 @@ pub(crate) struct Transfers<'s, 'a> {
     seen: Vec<(u32, u32)>,
     entered_by: Vec<u8>,
     search: u32,
+    /// Steps to a stride of the last search, and of those to come.
+    stride: usize,
+    longest: usize,
     buckets: Vec<Vec<u32>>,
 }
 
@@ -107,6 +118,8 @@ impl<'s, 'a> Transfers<'s, 'a> {
             seen: vec![(0, UNSEEN); places],
             entered_by: vec![ROOT; places],
             search: 0,
+            stride: 1,
+            longest: longest_stride(space),
             buckets: vec![Vec::new(); BUCKETS],
         }
     }
@@ -118,19 +131,55 @@ impl<'s, 'a> Transfers<'s, 'a> {
 
     /// The way from one point to another: straight where that is free, else around; `None` where there is none.
     pub(crate) fn way(&mut self, from: Point, to: Point) -> Option<Way> {
+        self.way_within(from, to, f64::INFINITY)
+    }
+
+    /// As [`Self::way`]; `None` also where it is clearly longer than `limit_m`.
+    pub(crate) fn way_within(&mut self, from: Point, to: Point, limit_m: f64) -> Option<Way> {
         let instance = self.space.instance();
         if self.space.segment_is_free(Segment::new(from, to)) {
             return Some(Way::new(instance, vec![from, to]));
         }
         let (source, target) = (self.space.nearest_place(from)?, self.space.nearest_place(to)?);
-        let rest = rest_to(self.space, target);
-        self.grow(source, rest, |place, _| place == target);
-        let points = self.trace(target)?;
+        let limit = cost(self.space, EIGHT_DIRECTIONS * limit_m)
+            .saturating_add(2 * STRIDE_MAX as u32 * SLANTING)
+            .min(UNSEEN / 2);
+        let strides = self.strides();
+        let points = strides.into_iter().find_map(|stride| self.search_way(source, target, to, stride, limit))?;
         Some(self.tight(from, points, to))
     }
 
+    /// Long strides first; single steps get everywhere.
+    fn strides(&self) -> Vec<usize> {
+        if self.longest > 1 { vec![self.longest, 1] } else { vec![1] }
+    }
+
+    fn search_way(
+        &mut self,
+        source: usize,
+        target: usize,
+        to: Point,
+        stride: usize,
+        limit: u32,
+    ) -> Option<Vec<Point>> {
+        let space = self.space;
+        let rest = rest_to(space, target);
+        let near = SLANTING * (stride as u32 - 1);
+        let mut end = None;
+        self.grow(source, stride, &rest, |place, cost| {
+            if cost + rest(place) > limit {
+                return true;
+            }
+            let there = place == target
+                || rest(place) <= near && space.segment_is_free(Segment::new(space.point(place), to));
+            end = there.then_some(place);
+            there
+        });
+        self.trace(end?)
+    }
+
     /// The ways from a point to those of `targets` that are `wanted` and at most `limit_m` of steps away; at most `most` of
-    /// them, nearest first.
+    /// them, the nearest first, as far as strides tell.
     pub(crate) fn ways_to_nearest(
         &mut self,
         from: Point,
@@ -139,29 +188,57 @@ impl<'s, 'a> Transfers<'s, 'a> {
         limit_m: f64,
         most: usize,
     ) -> Vec<(usize, Way)> {
+        let found = self.nearest(from, targets, wanted, limit_m, most);
+        found.into_iter().filter_map(|near| Some((near.target, self.way_to(from, targets, near)?))).collect()
+    }
+
+    /// As [`Self::ways_to_nearest`], without the ways: they are had from [`Self::way_to`] until the next search.
+    pub(crate) fn nearest(
+        &mut self,
+        from: Point,
+        targets: &Targets,
+        wanted: impl Fn(usize) -> bool,
+        limit_m: f64,
+        most: usize,
+    ) -> Vec<Near> {
         let Some(source) = self.space.nearest_place(from) else { return Vec::new() };
-        let limit = cost(self.space, limit_m);
-        let mut found: Vec<usize> = Vec::new();
-        let nothing = |_| 0;
-        self.grow(source, nothing, |place, cost| {
-            if cost > limit {
-                return true;
+        let (space, limit) = (self.space, cost(self.space, limit_m));
+        let mut found: Vec<Near> = Vec::new();
+        for stride in self.strides() {
+            found.clear();
+            let mut seen = BTreeSet::new();
+            self.grow(source, stride, |_| 0, |place, cost| {
+                if cost > limit {
+                    return true;
+                }
+                for target in targets.around(space, place, stride) {
+                    let way = || Segment::new(space.point(place), targets.points[target]);
+                    let is_there = |target: usize| targets.places[target] == Some(place);
+                    if !seen.contains(&target)
+                        && wanted(target)
+                        && (is_there(target) || space.segment_is_free(way()))
+                    {
+                        seen.insert(target);
+                        found.push(Near { target, place });
+                    }
+                }
+                found.len() >= most
+            });
+            if found.len() >= most {
+                break;
             }
-            found.extend(targets.at(place).filter(|&target| wanted(target)));
-            found.len() >= most
-        });
+        }
         found.truncate(most);
         found
-            .into_iter()
-            .filter_map(|target| {
-                let to = targets.points[target];
-                if self.space.segment_is_free(Segment::new(from, to)) {
-                    return Some((target, Way::new(self.space.instance(), vec![from, to])));
-                }
-                let points = self.trace(targets.places[target]?)?;
-                Some((target, self.tight(from, points, to)))
-            })
-            .collect()
+    }
+
+    /// The way to a target that the last search found.
+    pub(crate) fn way_to(&self, from: Point, targets: &Targets, near: Near) -> Option<Way> {
+        let to = targets.points[near.target];
+        if self.space.segment_is_free(Segment::new(from, to)) {
+            return Some(Way::new(self.space.instance(), vec![from, to]));
+        }
+        Some(self.tight(from, self.trace(near.place)?, to))
     }
 
     #[allow(dead_code, reason = "for planners with batteries")]
@@ -240,9 +317,17 @@ impl<'s, 'a> Transfers<'s, 'a> {
         Some((number, self.tight(from, points, source.0)))
     }
 
-    /// Grows over open steps from a place, least cost with `rest(place)` first, until `stop(place, cost)` says so.
-    fn grow(&mut self, source: usize, rest: impl Fn(usize) -> u32, mut stop: impl FnMut(usize, u32) -> bool) {
+    /// Grows over open steps from a place, `stride` of them at a time, least cost with `rest(place)` first, until
+    /// `stop(place, cost)` says so.
+    fn grow(
+        &mut self,
+        source: usize,
+        stride: usize,
+        rest: impl Fn(usize) -> u32,
+        mut stop: impl FnMut(usize, u32) -> bool,
+    ) {
         self.search += 1;
+        self.stride = stride;
         self.buckets.iter_mut().for_each(Vec::clear);
         self.seen[source] = (self.search, 0);
         self.entered_by[source] = ROOT;
@@ -260,8 +345,8 @@ impl<'s, 'a> Transfers<'s, 'a> {
                 if stop(place, so_far) {
                     return;
                 }
-                for (step, next) in self.space.steps(place) {
-                    let cost = so_far + step_cost(step);
+                for (step, next) in self.space.strides(place, stride) {
+                    let cost = so_far + stride as u32 * step_cost(step);
                     let (search, known) = self.seen[next];
                     if search != self.search || cost < known {
                         self.seen[next] = (self.search, cost);
@@ -283,7 +368,10 @@ impl<'s, 'a> Transfers<'s, 'a> {
         let mut place = target;
         let mut points = vec![self.space.point(place)];
         while self.entered_by[place] != ROOT {
-            place = before(self.space, place, self.entered_by[place]);
+            let step = self.entered_by[place];
+            for _ in 0..self.stride {
+                place = before(self.space, place, step);
+            }
             points.push(self.space.point(place));
         }
         points.reverse();
@@ -298,25 +386,34 @@ impl<'s, 'a> Transfers<'s, 'a> {
     }
 }
 
+/// A target that a search has found, and from where.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Near {
+    pub(crate) target: usize,
+    place: usize,
+}
+
 /// Points that searches look for.
 #[derive(Debug)]
 pub(crate) struct Targets {
     points: Vec<Point>,
     places: Vec<Option<usize>>,
-    /// By place: number of the first target there, and per target that of the next one at the same place.
-    at: std::collections::BTreeMap<usize, Vec<usize>>,
+    /// By place: the targets there.
+    at: BTreeMap<usize, Vec<usize>>,
+    /// By place: whether a target is less than a stride away.
+    is_near: Vec<bool>,
 }
 
 impl Targets {
     pub(crate) fn new(space: &ConfigurationSpace<'_>, points: Vec<Point>) -> Self {
-        let places: Vec<Option<usize>> = points.iter().map(|&point| space.nearest_place(point)).collect();
-        let mut at: std::collections::BTreeMap<usize, Vec<usize>> = std::collections::BTreeMap::new();
-        for (target, place) in places.iter().enumerate() {
-            if let &Some(place) = place {
-                at.entry(place).or_default().push(target);
-            }
-        }
-        Self { points, places, at }
+        let mut targets = Self {
+            points: Vec::new(),
+            places: Vec::new(),
+            at: BTreeMap::new(),
+            is_near: vec![false; space.places().len()],
+        };
+        points.into_iter().for_each(|point| targets.push(space, point));
+        targets
     }
 
     /// One more, with the next number.
@@ -324,14 +421,35 @@ impl Targets {
         let place = space.nearest_place(point);
         if let Some(place) = place {
             self.at.entry(place).or_default().push(self.points.len());
+            for near in block(space, place, longest_stride(space)) {
+                self.is_near[near] = true;
+            }
         }
         self.points.push(point);
         self.places.push(place);
     }
 
-    fn at(&self, place: usize) -> impl Iterator<Item = usize> + '_ {
-        self.at.get(&place).into_iter().flatten().copied()
+    /// Those that are less than a stride from a place along both axes.
+    fn around(&self, space: &ConfigurationSpace<'_>, place: usize, stride: usize) -> Vec<usize> {
+        if !self.is_near[place] {
+            return Vec::new();
+        }
+        block(space, place, stride).filter_map(|near| self.at.get(&near)).flatten().copied().collect()
     }
+}
+
+fn longest_stride(space: &ConfigurationSpace<'_>) -> usize {
+    let tool_m = space.instance().floor.tool_width_m();
+    ((STRIDE_TOOLS * tool_m / space.places().cell_m + 1e-6) as usize).clamp(1, STRIDE_MAX)
+}
+
+/// The places less than a stride from one along both axes.
+fn block(space: &ConfigurationSpace<'_>, place: usize, stride: usize) -> impl Iterator<Item = usize> + use<> {
+    let (lattice, reach) = (*space.places(), stride as i32 - 1);
+    let at = lattice.cell(place);
+    (-reach..=reach)
+        .flat_map(move |dy| (-reach..=reach).map(move |dx| Cell::new(at.x + dx, at.y + dy)))
+        .filter_map(move |cell| lattice.index(cell))
 }
 
 /// Distances of all places from the nearest of some sources.

@@ -144,6 +144,19 @@ impl GridMap {
             && self.free[y as usize * self.columns as usize + x as usize]
     }
 
+    /// Whether all squares of row `y` from column `first` to column `last` are free.
+    pub fn row_is_free(&self, y: i64, first: i64, last: i64) -> bool {
+        let (columns, rows) = (i64::from(self.columns), i64::from(self.rows));
+        if first > last {
+            return true;
+        }
+        if y < 0 || y >= rows || first < 0 || last >= columns {
+            return false;
+        }
+        let begin = (y * columns) as usize;
+        self.free[begin + first as usize..=begin + last as usize].iter().all(|&free| free)
+    }
+
     /// Whether the point lies in a free square.
     pub fn point_is_free(&self, point: Point) -> bool {
         let (x, y) = self.square_at(point);

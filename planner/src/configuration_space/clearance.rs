@@ -26,22 +26,26 @@ pub(super) fn clearances_m(floor: &Floor, places: &Lattice, most_m: f64) -> Vec<
 /// `gaps_m[0]` and the last are the columns just outside, which are blocked.
 fn nearest_m(gaps_m: &[f64], x_m: f64, square_m: f64, most_m: f64) -> f64 {
     let own = ((x_m / square_m).floor() as i64 + 1).clamp(0, gaps_m.len() as i64 - 1);
-    let mut best = most_m.min(gaps_m[own as usize]);
+    let near_m = most_m.min(gaps_m[own as usize]);
+    // Squares of distances: a root is drawn only in the end.
+    let mut best = near_m * near_m;
     for away in 1.. {
         let right_m = (own + away - 1) as f64 * square_m - x_m;
         let left_m = x_m - (own - away) as f64 * square_m;
         let mut is_near = false;
         for (column, gap_m) in [(own + away, right_m), (own - away, left_m)] {
-            if gap_m < best && column >= 0 && column < gaps_m.len() as i64 {
+            let gap_m = gap_m.max(0.0);
+            if gap_m * gap_m < best && column >= 0 && column < gaps_m.len() as i64 {
                 is_near = true;
-                best = best.min(gap_m.max(0.0).hypot(gaps_m[column as usize]));
+                let other_m = gaps_m[column as usize];
+                best = best.min(gap_m * gap_m + other_m * other_m);
             }
         }
         if !is_near {
             break;
         }
     }
-    best
+    if best < near_m * near_m { best.sqrt() } else { near_m }
 }
 
 /// For each column of a map, the blocked squares next to a height that only grows.
