@@ -249,19 +249,31 @@ impl<'a> ConfigurationSpace<'a> {
     fn open_steps(&self) -> Vec<u8> {
         let free = self.free_places();
         let mut steps = vec![0_u8; self.places.len()];
-        let (columns, rows) = (self.places.columns as i32, self.places.rows as i32);
         let enough_m = [self.clear_for(0), self.clear_for(1)];
+        // With so much clearance, and nothing blocked but by walls, the places around are free and the steps to them open.
+        let all_m = (self.instance.floor.body_radius_m() + 1.5 * self.places.cell_m) as f32;
+        let deep = |place: usize| !self.any_blocked && (all_m..f32::INFINITY).contains(&self.clearance_m[place]);
+        let (columns, rows) = (self.places.columns as i32, self.places.rows as i32);
         for (place, _) in free.iter().enumerate().filter(|(_, free)| **free) {
+            if deep(place) {
+                steps[place] = u8::MAX;
+                continue;
+            }
             let (x, y) = (place as i32 % columns, place as i32 / columns);
-            for (step, (dx, dy)) in STEPS.into_iter().enumerate().take(4) {
+            for (step, (dx, dy)) in STEPS.into_iter().enumerate() {
                 let (to_x, to_y) = (x + dx, y + dy);
-                if to_x < 0 || to_x >= columns || to_y >= rows {
+                if to_x < 0 || to_x >= columns || to_y < 0 || to_y >= rows {
                     continue;
                 }
                 let beyond = self.beyond(place, step);
-                if free[beyond] && self.step_is_open(place, beyond, enough_m[step % 2]) {
+                let is_open = || match step {
+                    _ if deep(beyond) => true,
+                    0..4 => self.step_is_open(place, beyond, enough_m[step % 2]),
+                    // Looked at from there before.
+                    _ => steps[beyond] >> (step ^ 4) & 1 == 1,
+                };
+                if free[beyond] && is_open() {
                     steps[place] |= 1 << step;
-                    steps[beyond] |= 1 << (step ^ 4);
                 }
             }
         }

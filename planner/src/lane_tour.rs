@@ -86,7 +86,8 @@ pub(crate) struct LaneTour<'s, 'a> {
     /// price is more than that.
     known: Vec<Vec<(u32, f64, u32)>>,
     ways: Vec<Option<Way>>,
-    near: Vec<Vec<u32>>,
+    /// Per end: ends near it, those first that can be the cheapest to join.
+    near: Vec<Vec<NearEnd>>,
     /// Ends by which lanes are entered, in the order of driving.
     order: Vec<u32>,
     /// Per lane, its place in the order; [`OUT`] for one that is not on the tour.
@@ -95,6 +96,13 @@ pub(crate) struct LaneTour<'s, 'a> {
     is_gone: Vec<bool>,
     /// Whether the way back to lane 0 counts.
     returns: bool,
+}
+
+/// An end near another one, and what joining them takes at least, as a rule, seconds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct NearEnd {
+    end: u32,
+    at_least_s: f64,
 }
 
 /// A lane on the tour, in the direction of driving, and the way to it.
@@ -195,7 +203,7 @@ impl<'s, 'a> LaneTour<'s, 'a> {
         let mut best = (f64::INFINITY, lanes, first);
         for (end, near) in [first, first + 1]
             .into_iter()
-            .flat_map(|end| self.near[end].iter().map(move |&near| (end, near as usize)))
+            .flat_map(|end| self.near[end].iter().map(move |near| (end, near.end as usize)))
             .collect::<Vec<_>>()
         {
             if self.at[near / 2] == OUT {
@@ -316,27 +324,24 @@ impl<'s, 'a> LaneTour<'s, 'a> {
             let from = self.ends[end];
             let found = self.transfers.nearest(from, &self.targets, wanted, f64::INFINITY, NEAR);
             for near in found {
-                let other = near.target;
-                if self.lookup(end, other).is_none() {
-                    let Some(way) = self.transfers.way_to(from, &self.targets, near) else { continue };
-                    let way = if end < other { way } else { way.reversed() };
-                    self.learn(end.min(other), end.max(other), Some(way));
-                }
-                self.near[end].push(other as u32);
-                if other < first {
-                    self.near[other].push(end as u32);
-                    self.sort_near(other);
+                self.note_near(end, near.target, near.at_least_m);
+                if near.target < first {
+                    self.note_near(near.target, end, near.at_least_m);
                 }
             }
-            self.sort_near(end);
         }
     }
 
-    fn sort_near(&mut self, end: usize) {
-        let mut near = std::mem::take(&mut self.near[end]);
-        let price_s = |other: u32| self.lookup(end, other as usize).unwrap_or(f64::INFINITY);
-        near.sort_by(|&a, &b| price_s(a).total_cmp(&price_s(b)).then(a.cmp(&b)));
-        self.near[end] = near;
+    fn note_near(&mut self, end: usize, other: usize, at_least_m: f64) {
+        let speed = self.transfers.space().instance().motion.speed_m_per_s;
+        let over_ground_s = at_least_m / speed + self.turns_at_least_s(end, other);
+        let at_least_s = self.price_at_least(end, other).max(over_ground_s);
+        if self.lookup(end, other).is_none() && (self.returns || end.min(other) != 0) {
+            self.note(end, other, at_least_s, UNKNOWN);
+        }
+        let place = self.near[end]
+            .partition_point(|known| (known.at_least_s, known.end) < (at_least_s, other as u32));
+        self.near[end].insert(place, NearEnd { end: other as u32, at_least_s });
     }
 
     fn entry_of(&self, from: usize, to: usize) -> Option<(f64, u32)> {
@@ -443,7 +448,7 @@ impl<'s, 'a> LaneTour<'s, 'a> {
     }
 
     fn nearest_open(&mut self, at: usize, is_open: &[bool]) -> Option<usize> {
-        let near = self.near[at].iter().map(|&other| other as usize);
+        let near = self.near[at].iter().map(|near| near.end as usize);
         if let Some(other) = near.clone().find(|other| is_open[other / 2]) {
             return Some(other);
         }
@@ -514,15 +519,15 @@ impl<'s, 'a> LaneTour<'s, 'a> {
         let joins = [(first, first + 1), (middle, middle + 1), (last, last + 1)];
         let before_s: f64 = joins.iter().map(|&(a, b)| self.price(self.exit(a), self.entry(b))).sum();
         let new = [(first, middle + 1), (last, first + 1), (middle, last + 1)];
-        let at_least_s: f64 =
-            new.iter().map(|&(a, b)| self.price_at_least(self.exit(a), self.entry(b))).sum();
-        if at_least_s > before_s + BRIDGE_S {
-            return None;
+        let new = new.map(|(a, b)| (self.exit(a), self.entry(b)));
+        let mut after_s: f64 = new.iter().map(|&(from, to)| self.price_at_least(from, to)).sum();
+        for (from, to) in new {
+            let others_s = after_s - self.price_at_least(from, to);
+            after_s = others_s + self.price_below(from, to, before_s + BRIDGE_S - others_s)?;
         }
         self.order[first + 1..=last].rotate_left(one);
         self.number_from(first + 1, last + 1);
         let joins = [(first, first + 1), (first + other, first + other + 1), (last, last + 1)];
-        let after_s: f64 = joins.iter().map(|&(a, b)| self.price(self.exit(a), self.entry(b))).sum();
         let touched = joins.iter().flat_map(|&(a, b)| [a, b]).map(|at| self.entry(at) as u32 / 2).collect();
         Some((after_s - before_s, touched))
     }
@@ -561,14 +566,15 @@ impl<'s, 'a> LaneTour<'s, 'a> {
         let partner = if leaves { self.entry(at + 1) } else { self.exit(at + lanes - 1) };
         let now_s = self.price(end, partner);
         for number in 0..self.near[end].len() {
-            let near = self.near[end][number] as usize;
-            let joined_s = self.price(end, near);
-            if joined_s >= now_s {
+            let NearEnd { end: near, at_least_s } = self.near[end][number];
+            if at_least_s >= now_s {
                 return None;
             }
+            let near = near as usize;
             if self.at[near / 2] == OUT || self.is_entry(near) == leaves {
                 continue;
             }
+            let Some(joined_s) = self.price_below(end, near, now_s) else { continue };
             let near_at = self.at[near / 2] as usize;
             let near_partner = if leaves { self.entry(near_at + 1) } else { self.exit(near_at + lanes - 1) };
             let saved_s = now_s + self.price(near, near_partner) - joined_s;
@@ -638,15 +644,16 @@ impl<'s, 'a> LaneTour<'s, 'a> {
         let inside = |at: usize| (at + lanes - begin) % lanes < count;
         for (end, far) in [(first, last), (last, first)] {
             for number in 0..self.near[end].len() {
-                let near = self.near[end][number] as usize;
-                let joined_s = self.price(end, near);
-                if joined_s >= freed_s {
+                let NearEnd { end: near, at_least_s } = self.near[end][number];
+                if at_least_s >= freed_s {
                     break;
                 }
+                let near = near as usize;
                 let near_at = self.at[near / 2] as usize;
                 if near_at == OUT as usize || inside(near_at) {
                     continue;
                 }
+                let Some(joined_s) = self.price_below(end, near, freed_s) else { continue };
                 let leaves = !self.is_entry(near);
                 let beyond_at = if leaves { (near_at + 1) % lanes } else { (near_at + lanes - 1) % lanes };
                 if inside(beyond_at) {

@@ -192,7 +192,7 @@ impl<'s, 'a> Transfers<'s, 'a> {
         found.into_iter().filter_map(|near| Some((near.target, self.way_to(from, targets, near)?))).collect()
     }
 
-    /// As [`Self::ways_to_nearest`], without the ways: they are had from [`Self::way_to`] until the next search.
+    /// As [`Self::ways_to_nearest`], without the ways.
     pub(crate) fn nearest(
         &mut self,
         from: Point,
@@ -219,7 +219,7 @@ impl<'s, 'a> Transfers<'s, 'a> {
                         && (is_there(target) || space.segment_is_free(way()))
                     {
                         seen.insert(target);
-                        found.push(Near { target, place });
+                        found.push(Near { target, place, at_least_m: at_least_m(space, cost, stride) });
                     }
                 }
                 found.len() >= most
@@ -233,7 +233,7 @@ impl<'s, 'a> Transfers<'s, 'a> {
     }
 
     /// The way to a target that the last search found.
-    pub(crate) fn way_to(&self, from: Point, targets: &Targets, near: Near) -> Option<Way> {
+    fn way_to(&self, from: Point, targets: &Targets, near: Near) -> Option<Way> {
         let to = targets.points[near.target];
         if self.space.segment_is_free(Segment::new(from, to)) {
             return Some(Way::new(self.space.instance(), vec![from, to]));
@@ -390,6 +390,8 @@ impl<'s, 'a> Transfers<'s, 'a> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Near {
     pub(crate) target: usize,
+    /// As a rule, no way there is shorter.
+    pub(crate) at_least_m: f64,
     place: usize,
 }
 
@@ -436,6 +438,13 @@ impl Targets {
         }
         block(space, place, stride).filter_map(|near| self.at.get(&near)).flatten().copied().collect()
     }
+}
+
+/// How long a way is at least, as a rule, that took a search so much to come within a stride of its end.
+fn at_least_m(space: &ConfigurationSpace<'_>, cost: u32, stride: usize) -> f64 {
+    let step_m = space.places().cell_m;
+    let steps = f64::from(cost) / f64::from(STRAIGHT) / EIGHT_DIRECTIONS;
+    ((steps - 2.0 * stride as f64) * step_m).max(0.0)
 }
 
 fn longest_stride(space: &ConfigurationSpace<'_>) -> usize {
