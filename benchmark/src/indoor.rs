@@ -82,8 +82,11 @@ pub(crate) fn run(options: &Options, progress: Progress<'_>) -> Result<Vec<Table
         }
         let target_s = target.and_then(|row| row.time_s.parse().ok());
         let at_reference = target.and_then(|row| percent(&row.coverage_of_coverable)).unwrap_or(0.98);
+        // Where there is no reference there is no second target to reach for.
+        let targets = [("", at_reference), (", with the rest", WHOLE)];
+        let targets = if target.is_some() { &targets[..] } else { &targets[..1] };
         for planner in PLANNERS {
-            for (what, coverage) in [("", at_reference), (", with the rest", WHOLE)] {
+            for &(what, coverage) in targets {
                 progress(&format!("{map}: {planner}{what}"));
                 let name = format!("{planner}{what}");
                 let made = measure(&floor_plan, planner, coverage, options.effort)

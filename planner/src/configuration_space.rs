@@ -12,11 +12,13 @@
 //! same test with which [`crate::verify()`] judges: nothing here is looser than that. On floors without a map the
 //! centre may be anywhere in a drivable cell, and crosses to the next one by an open move.
 
+mod blocked_cells;
 mod clearance;
 mod slices;
 mod wall_runs;
 
 use crate::Instance;
+use blocked_cells::BlockedCells;
 use clearance::clearances_m;
 use terrain::{Cell, Direction, GridMap, Lattice, Point, Segment, Vector};
 use wall_runs::WallRuns;
@@ -46,6 +48,7 @@ pub(crate) struct ConfigurationSpace<'a> {
     steps: Vec<u8>,
     reached: Vec<bool>,
     any_blocked: bool,
+    blocked: BlockedCells,
     walls: Option<WallRuns>,
 }
 
@@ -65,6 +68,7 @@ impl<'a> ConfigurationSpace<'a> {
             steps: Vec::new(),
             reached: Vec::new(),
             any_blocked,
+            blocked: BlockedCells::new(instance),
             walls: instance.floor.map().map(WallRuns::new),
         };
         space.steps = space.open_steps();
@@ -81,6 +85,7 @@ impl<'a> ConfigurationSpace<'a> {
             clearance_m: self.clearance_m.clone(),
             steps: self.steps.clone(),
             walls: self.walls.clone(),
+            blocked: self.blocked.clone(),
             ..*self
         }
     }
@@ -211,7 +216,9 @@ impl<'a> ConfigurationSpace<'a> {
     fn keeps_to_open_cells(&self, segment: Segment) -> bool {
         let (lattice, floor) = (self.instance.floor.lattice(), self.instance.floor);
         let ends_inside = lattice.cell_at(segment.from).is_some() && lattice.cell_at(segment.to).is_some();
-        if floor.map().is_some() && !self.any_blocked {
+        let low = Point::from(segment.from.coords.inf(&segment.to.coords));
+        let high = Point::from(segment.from.coords.sup(&segment.to.coords));
+        if floor.map().is_some() && !self.blocked.any_in_box(lattice, low, high) {
             return ends_inside;
         }
         let open = |&cell: &Cell| lattice.index(cell).is_some_and(|index| !self.instance.blocked[index]);
@@ -252,7 +259,9 @@ impl<'a> ConfigurationSpace<'a> {
         let enough_m = [self.clear_for(0), self.clear_for(1)];
         // With so much clearance, and nothing blocked but by walls, the places around are free and the steps to them open.
         let all_m = (self.instance.floor.body_radius_m() + 1.5 * self.places.cell_m) as f32;
-        let deep = |place: usize| !self.any_blocked && (all_m..f32::INFINITY).contains(&self.clearance_m[place]);
+        let deep = |place: usize| {
+            (all_m..f32::INFINITY).contains(&self.clearance_m[place]) && !self.is_near_blocked(place)
+        };
         let (columns, rows) = (self.places.columns as i32, self.places.rows as i32);
         for (place, _) in free.iter().enumerate().filter(|(_, free)| **free) {
             if deep(place) {
@@ -278,6 +287,11 @@ impl<'a> ConfigurationSpace<'a> {
             }
         }
         steps
+    }
+
+    fn is_near_blocked(&self, place: usize) -> bool {
+        let (point, step) = (self.point(place), Vector::repeat(self.places.cell_m));
+        self.any_blocked && self.blocked.any_in_box(self.instance.floor.lattice(), point - step, point + step)
     }
 
     /// Between two places with so much clearance, a step apart, no point is nearer to a wall than the body's radius.

@@ -145,7 +145,8 @@ impl<'s, 'a> Transfers<'s, 'a> {
             .saturating_add(2 * STRIDE_MAX as u32 * SLANTING)
             .min(UNSEEN / 2);
         let strides = self.strides();
-        let points = strides.into_iter().find_map(|stride| self.search_way(source, target, to, stride, limit))?;
+        let points =
+            strides.into_iter().find_map(|stride| self.search_way(source, target, to, stride, limit))?;
         Some(self.tight(from, points, to))
     }
 
@@ -207,23 +208,28 @@ impl<'s, 'a> Transfers<'s, 'a> {
         for stride in self.strides() {
             found.clear();
             let mut seen = BTreeSet::new();
-            self.grow(source, stride, |_| 0, |place, cost| {
-                if cost > limit {
-                    return true;
-                }
-                for target in targets.around(space, place, stride) {
-                    let way = || Segment::new(space.point(place), targets.points[target]);
-                    let is_there = |target: usize| targets.places[target] == Some(place);
-                    if !seen.contains(&target)
-                        && wanted(target)
-                        && (is_there(target) || space.segment_is_free(way()))
-                    {
-                        seen.insert(target);
-                        found.push(Near { target, place, at_least_m: at_least_m(space, cost, stride) });
+            self.grow(
+                source,
+                stride,
+                |_| 0,
+                |place, cost| {
+                    if cost > limit {
+                        return true;
                     }
-                }
-                found.len() >= most
-            });
+                    for target in targets.around(space, place, stride) {
+                        let way = || Segment::new(space.point(place), targets.points[target]);
+                        let is_there = |target: usize| targets.places[target] == Some(place);
+                        if !seen.contains(&target)
+                            && wanted(target)
+                            && (is_there(target) || space.segment_is_free(way()))
+                        {
+                            seen.insert(target);
+                            found.push(Near { target, place, at_least_m: at_least_m(space, cost, stride) });
+                        }
+                    }
+                    found.len() >= most
+                },
+            );
             if found.len() >= most {
                 break;
             }
@@ -414,7 +420,9 @@ impl Targets {
             at: BTreeMap::new(),
             is_near: vec![false; space.places().len()],
         };
-        points.into_iter().for_each(|point| targets.push(space, point));
+        for point in points {
+            targets.push(space, point);
+        }
         targets
     }
 

@@ -118,12 +118,18 @@ impl FloorPlan {
         coverage_min: f64,
         effort: u32,
     ) -> Result<Outcome, PlanError> {
-        let starts = vec![self.start(station)];
-        let mut instance = Instance::whole_floor(&self.floor, starts, self.motion(), Mode::CoverAndReturn);
-        instance.coverage_min = coverage_min;
+        let instance = self.instance(station, coverage_min);
         let options = PlanOptions { planner: planner.to_owned(), effort, ..PlanOptions::default() };
         let (planned, cpu_s) = crate::cpu::timed(|| plan(&instance, &options));
         Ok(Outcome { plan: planned?, cpu_s })
+    }
+
+    /// One robot from a station and back.
+    pub(crate) fn instance(&self, station: usize, coverage_min: f64) -> Instance<'_> {
+        let starts = vec![self.start(station)];
+        let mut instance = Instance::whole_floor(&self.floor, starts, self.motion(), Mode::CoverAndReturn);
+        instance.coverage_min = coverage_min;
+        instance
     }
 }
 

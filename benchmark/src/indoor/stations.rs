@@ -1,11 +1,14 @@
-//! The paper's Fig. 5 on our floors: total coverage time from ten stations, planner by planner, with a paired test.
+//! The paper's Fig. 5 on our floors: total coverage time from ten stations, planner by planner and battery by battery, with a
+//! paired test. Each planner plans once from each station, without a battery; the same tour is then broken off to charge for
+//! each capacity, where that costs least.
 
-use super::{MAPS, floor_plan::FloorPlan};
+use super::{MAPS, evaluator::Evaluator, floor_plan::FloorPlan};
 use crate::{
     BenchmarkError, Options, Picture, Progress, Table, content,
     plot::{Bar, BarPanel, BarPlot},
     tables::{mean, ratio, tenths},
 };
+use planner::{Battery, Instance, PlanError, Station, recharge};
 use std::path::Path;
 
 /// Ours first, then the paper's, then what it compares with.
@@ -18,7 +21,10 @@ const COVERAGE: f64 = 0.98;
 /// The floors on which ten stations take minutes, not hours.
 const FLOORS: usize = 5;
 
-/// What came of one planner on one map.
+/// Lanes are planned without effort: it is many stations that count here, not the last per cent.
+const EFFORT: u32 = 0;
+
+/// What came of one planner on one map with one capacity.
 #[derive(Debug, Default)]
 struct Sample {
     time_s: Vec<f64>,
@@ -35,28 +41,46 @@ pub(super) fn run(
 ) -> Result<Vec<Table>, BenchmarkError> {
     let mut table = Table::new(
         "indoor_stations",
-        "Total coverage time from ten stations (Fig. 5), no battery limit",
+        "Total coverage time from ten stations (Fig. 5)",
         "One robot from a station and back, every plan asked for 98 % of the ground (what lanes leave out is swept on side trips); \
-         mean and deviation over the stations. ÷ hybrid: mean of the ratios to `bc-sweep-hybrid` from the same station. p: two-sided paired \
-         t-test against it.",
-        &["map", "planner", "time s", "± s", "÷ hybrid", "p", "length m", "turns", "coverage", "CPU s"],
+         mean and deviation over the stations. λ: seconds of operation, a charger at the station, charging itself free as in \
+         the paper; break points by dynamic programming on the tour of λ = ∞, for all planners alike. ÷ hybrid: mean of the \
+         ratios to `bc-sweep-hybrid` from the same station. p: two-sided paired t-test against it. Planned without effort; \
+         CPU of planning for λ = ∞, or of breaking off.",
+        &[
+            "map",
+            "λ s",
+            "planner",
+            "time s",
+            "± s",
+            "÷ hybrid",
+            "p",
+            "length m",
+            "turns",
+            "coverage",
+            "CPU s",
+        ],
     );
     let mut panels = Vec::new();
     let (maps, stations) = if options.quick { (1, 2) } else { (FLOORS, usize::MAX) };
     for &map in &MAPS[..maps] {
         let floor_plan = FloorPlan::load(folder, map)?;
-        let samples = measure(&floor_plan, stations, options.effort, progress)
+        let samples = measure(&floor_plan, stations, progress)
             .map_err(|what| content(folder, format!("{map}: {what}")))?;
-        let baseline =
-            &samples[PLANNERS.iter().position(|&name| name == BASELINE).expect("it is one of them")];
-        for (planner, sample) in PLANNERS.iter().zip(&samples) {
-            table.push(row(map, planner, sample, baseline));
+        let mut groups = Vec::new();
+        for (number, &capacity_s) in floor_plan.capacities_s.iter().enumerate() {
+            let of_capacity: Vec<&Sample> = samples.iter().map(|of_planner| &of_planner[number]).collect();
+            let baseline = PLANNERS.iter().position(|&name| name == BASELINE).expect("it is one of them");
+            let word = capacity_s.map_or("∞".to_owned(), |capacity_s| format!("{capacity_s:.0}"));
+            for (planner, sample) in PLANNERS.iter().zip(&of_capacity) {
+                table.push(row([map, &word, planner], sample, of_capacity[baseline]));
+            }
+            let bar =
+                |sample: &&Sample| Bar { mean: mean(&sample.time_s), deviation: deviation(&sample.time_s) };
+            groups
+                .push((format!("λ = {word}"), of_capacity.iter().map(|sample| Some(bar(sample))).collect()));
         }
-        let bars = samples
-            .iter()
-            .map(|sample| Some(Bar { mean: mean(&sample.time_s), deviation: deviation(&sample.time_s) }));
-        panels
-            .push(BarPanel { title: map.to_owned(), groups: vec![("λ = ∞".to_owned(), bars.collect())] });
+        panels.push(BarPanel { title: map.to_owned(), groups });
     }
     let plot = BarPlot {
         title: "Total coverage time, s: mean and deviation over the stations".to_owned(),
@@ -72,41 +96,65 @@ pub(super) fn run(
     Ok(vec![table])
 }
 
-fn measure(
-    floor_plan: &FloorPlan,
-    most: usize,
-    effort: u32,
-    progress: Progress<'_>,
-) -> Result<Vec<Sample>, String> {
+/// By planner, and by capacity in the order of the floor plan.
+fn measure(floor_plan: &FloorPlan, most: usize, progress: Progress<'_>) -> Result<Vec<Vec<Sample>>, String> {
     let evaluator = floor_plan.evaluator();
-    let mut samples = Vec::new();
+    let mut all = Vec::new();
     for planner in PLANNERS {
-        let mut sample = Sample::default();
+        let mut samples: Vec<Sample> = floor_plan.capacities_s.iter().map(|_| Sample::default()).collect();
         for station in 0..floor_plan.stations.len().min(most) {
             progress(&format!("{}: {planner} from station {station}", floor_plan.name));
-            let made = floor_plan
-                .plan(planner, station, COVERAGE, effort)
+            from_station(floor_plan, &evaluator, planner, station, &mut samples)
                 .map_err(|error| format!("{planner} from station {station}: {error}"))?;
-            let judged = evaluator.judge(&made.plan.routes()[0].points);
-            sample.time_s.push(judged.time_s);
-            sample.length_m.push(judged.length_m);
-            sample.turns.push(f64::from(judged.turns));
-            sample.coverage.push(judged.coverage);
-            sample.cpu_s.push(made.cpu_s);
         }
-        samples.push(sample);
+        all.push(samples);
     }
-    Ok(samples)
+    Ok(all)
 }
 
-fn row(map: &str, planner: &str, sample: &Sample, baseline: &Sample) -> Vec<String> {
+/// Plans once, and breaks the tour off for each capacity.
+fn from_station(
+    floor_plan: &FloorPlan,
+    evaluator: &Evaluator<'_>,
+    planner: &str,
+    station: usize,
+    samples: &mut [Sample],
+) -> Result<(), PlanError> {
+    let made = floor_plan.plan(planner, station, COVERAGE, EFFORT)?;
+    for (sample, &capacity_s) in samples.iter_mut().zip(&floor_plan.capacities_s) {
+        let (plan, cpu_s) = match capacity_s {
+            None => (Ok(made.plan.clone()), made.cpu_s),
+            Some(capacity_s) => {
+                let instance = with_charger(floor_plan, station, capacity_s);
+                crate::cpu::timed(|| recharge(&instance, &made.plan))
+            }
+        };
+        let judged = evaluator.judge(&plan?.routes()[0].points);
+        sample.time_s.push(judged.time_s);
+        sample.length_m.push(judged.length_m);
+        sample.turns.push(f64::from(judged.turns));
+        sample.coverage.push(judged.coverage);
+        sample.cpu_s.push(cpu_s);
+    }
+    Ok(())
+}
+
+/// As [`FloorPlan::plan`] has it, with a battery and a charger where the robot starts.
+fn with_charger(floor_plan: &FloorPlan, station: usize, capacity_s: f64) -> Instance<'_> {
+    let mut instance = floor_plan.instance(station, COVERAGE);
+    let start = &instance.starts[0];
+    instance.stations = vec![Station { point: start.point, ..Station::at(start.cell) }];
+    instance.battery = Some(Battery::lasting_s(capacity_s));
+    instance
+}
+
+fn row(head: [&str; 3], sample: &Sample, baseline: &Sample) -> Vec<String> {
+    let planner = head[2];
     let pairs = || sample.time_s.iter().zip(&baseline.time_s);
     let ratios: Vec<f64> = pairs().map(|(own, other)| own / other).collect();
     let differences: Vec<f64> = pairs().map(|(own, other)| own - other).collect();
     let p = if planner == BASELINE { String::new() } else { format!("{:.1e}", paired_p(&differences)) };
-    vec![
-        map.to_owned(),
-        planner.to_owned(),
+    let tail = vec![
         tenths(mean(&sample.time_s)),
         tenths(deviation(&sample.time_s)),
         ratio(mean(&ratios)),
@@ -115,7 +163,8 @@ fn row(map: &str, planner: &str, sample: &Sample, baseline: &Sample) -> Vec<Stri
         tenths(mean(&sample.turns)),
         format!("{:.2} %", 100.0 * mean(&sample.coverage)),
         ratio(mean(&sample.cpu_s)),
-    ]
+    ];
+    [head.map(str::to_owned).to_vec(), tail].concat()
 }
 
 /// Standard deviation of a sample; 0 of fewer than two values.

@@ -30,7 +30,9 @@ impl ConfigurationSpace<'_> {
         closed.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
         let mut open = Vec::new();
         let mut from_m = 0.0;
-        for (begin_m, end_m) in closed.into_iter().take_while(|part| part.0 < length_m).chain([(length_m, length_m)]) {
+        for (begin_m, end_m) in
+            closed.into_iter().take_while(|part| part.0 < length_m).chain([(length_m, length_m)])
+        {
             if begin_m - from_m > 2.0 * MARGIN_M {
                 open.push((from_m, begin_m));
             }
@@ -66,7 +68,7 @@ impl ConfigurationSpace<'_> {
 
 /// 0 for a segment along x, 1 for one along y.
 fn axis(segment: Segment) -> Option<usize> {
-    (0..2).find(|axis| segment.from[1 - axis] == segment.to[1 - axis])
+    (0..2).find(|axis| (segment.from[1 - axis] - segment.to[1 - axis]).abs() < 1e-12)
 }
 
 /// The pieces of a segment between the lines of a lattice, as distances from its first end.

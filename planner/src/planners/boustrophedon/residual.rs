@@ -89,13 +89,13 @@ struct Rest<'a, 'i> {
 
 impl<'a, 'i> Rest<'a, 'i> {
     fn new(instance: &'a Instance<'i>, routes: &[Route]) -> Self {
-        let (floor, lattice) = (instance.floor, instance.floor.lattice());
+        let lattice = instance.floor.lattice();
         let mut raster = SweptRaster::new(*lattice);
-        let radius_m = floor.tool_width_m() / 2.0;
+        let radius_m = instance.floor.tool_width_m() / 2.0;
         for pair in routes.iter().flat_map(|route| route.points.windows(2)) {
             raster.sweep(Segment::new(pair[0], pair[1]), radius_m, |_| {});
         }
-        let wanted = |index: usize| if instance.visit[index] { floor.required(index) } else { 0 };
+        let wanted = |index: usize| if instance.visit[index] { instance.wanted(index) } else { 0 };
         let missing: Vec<u64> =
             (0..lattice.len()).map(|index| wanted(index) & !raster.samples(index)).collect();
         let count =

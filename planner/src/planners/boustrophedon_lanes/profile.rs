@@ -169,7 +169,8 @@ impl Profile {
         let before = f64::from(self.ended[first]);
         let value = |to: usize| f64::from(self.begun[to]) - before - (to - first) as f64 * per_step;
         let to = best(first..=last, value);
-        let value = |from: usize| f64::from(self.begun[to]) - f64::from(self.ended[from]) + from as f64 * per_step;
+        let value =
+            |from: usize| f64::from(self.begun[to]) - f64::from(self.ended[from]) + from as f64 * per_step;
         let from = best(first..=to, value);
         let swept = self.begun[to].saturating_sub(self.ended[from]) as usize;
         let at = |place: usize| (self.from_m + place as f64 * self.step_m).clamp(low_m, high_m);
