@@ -448,8 +448,19 @@ impl<'s, 'a> LaneTour<'s, 'a> {
     }
 
     fn nearest_open(&mut self, at: usize, is_open: &[bool]) -> Option<usize> {
-        let near = self.near[at].iter().map(|near| near.end as usize);
-        if let Some(other) = near.clone().find(|other| is_open[other / 2]) {
+        let mut nearest: Option<(f64, usize)> = None;
+        for number in 0..self.near[at].len() {
+            let NearEnd { end: other, at_least_s } = self.near[at][number];
+            let most_s = nearest.map_or(f64::INFINITY, |(price_s, _)| price_s);
+            if at_least_s >= most_s {
+                break;
+            }
+            if is_open[other as usize / 2] {
+                let price_s = self.price_below(at, other as usize, most_s);
+                nearest = price_s.map(|price_s| (price_s, other as usize)).or(nearest);
+            }
+        }
+        if let Some((_, other)) = nearest {
             return Some(other);
         }
         let wanted = |other: usize| is_open[other / 2];
