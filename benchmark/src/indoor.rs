@@ -123,9 +123,9 @@ fn measure(
         let point = Some([asked, judged.coverage]);
         let missing = coverage - judged.coverage;
         if missing <= 0.0 {
-            enough = point
+            enough = point;
         } else {
-            below = point
+            below = point;
         }
         asked = match (below, enough) {
             (None, _) => break,

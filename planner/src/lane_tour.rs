@@ -10,8 +10,8 @@
 //! short pieces of the tour change places (double bridge), the neighbourhood is improved again, and what has become worse is
 //! taken back.
 //! **Guarantee.** Each lane is on the tour once at any time; it never gets worse. None on quality.
-//! **Complexity.** One bounded search per end for its near ends; others are searched for only when a bound on their price
-//! promises a gain. O(n) for a reversal.
+//! **Complexity.** One bounded search per end for its near ends; ways, to these and to others, are searched for only when a
+//! bound on their price (the distance, and the turn from the one heading to the other) promises a gain, and only as far as that. O(n) for a reversal.
 //! **Paper.** 2-opt and Or-opt with near lists: J. J. Bentley: Fast algorithms for geometric traveling salesman problems. ORSA Journal on Computing 4, 1992.
 
 use crate::transfers::{Targets, Transfers, Way, heading_rad};
