@@ -17,12 +17,16 @@ use std::collections::BTreeSet;
 /// Pairs of shares closer than this part of their length are left as they are.
 const EVEN: f64 = 5e-4;
 /// Way that one radian of turning at a chord is worth, as a share of the tool's width: evenness counts more.
-const TURN_WORTH: f64 = 0.4;
+const TURN_WORTH: f64 = 0.6;
 
 /// How much the sum of two lines counts beside the longer of them.
 const SUM_WORTH: f64 = 0.2;
 /// Pairs farther apart than this part of their length are joined at several places in turn.
 const UNEVEN: f64 = 2e-3;
+/// Places that are linked when lines are joined are no farther apart, in tool widths.
+const JOIN_REACH: f64 = 1.6;
+/// A part to hand over is looked for from so many stretches of a line.
+const GIVEN: usize = 8;
 /// At so many places.
 const JOINS: usize = 8;
 /// Share of the turning that recutting adds, in way, that the gain must be beyond.
@@ -149,30 +153,37 @@ impl Sharing<'_> {
         }
         let ruler = Ruler::new(self, &giver.line, &[giver.robot]);
         // The robot of the part that is kept is the giver's; of the part given none yet.
-        let chord = self.best_chord(&giver.line, &ruler, |cutting| {
+        let chords = self.best_chords::<GIVEN>(&giver.line, &ruler, |cutting| {
             let touches_inside = touching[cutting.last + 1] - touching[cutting.first];
             let touches_outside = touching[giver.line.len()] - touches_inside;
             let give_inner = cutting.outer_cost_m(0).max(before_m[1] + cutting.inner_m);
             let give_outer = cutting.inner_cost_m(0).max(before_m[1] + cutting.outer_m);
             let inner = (touches_inside > 0).then_some((give_inner, usize::MAX, giver.robot));
             let outer = (touches_outside > 0).then_some((give_outer, giver.robot, usize::MAX));
-            [inner, outer].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0))
+            let best = [inner, outer].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0));
+            best.filter(|best| best.0 < before_m[0])
         });
-        let Some(chord) = chord.filter(|chord| chord.score_m < before_m[0]) else { return false };
+        let handed = chords.into_iter().find_map(|chord| self.handed(&giver, &taker, chord, before_m[0]));
+        let Some((kept, grown)) = handed else { return false };
+        (shares[from], shares[to]) = (kept, grown);
+        true
+    }
+
+    /// What two shares become when a chord cuts a part off one that the other takes, if both cost less than `most_m`.
+    fn handed(&mut self, giver: &Share, taker: &Share, chord: Chord, most_m: f64) -> Option<(Share, Share)> {
         let (inner, outer) = self.cut(&giver.line, chord);
         let (kept, given) = if chord.inner_robot == giver.robot { (inner, outer) } else { (outer, inner) };
         if let Some(exchange) = self.best_join(&given, &taker.line) {
             self.web.apply(exchange);
             let kept = Share { robot: giver.robot, line: kept };
             let grown = Share { robot: taker.robot, line: self.web.closed_line(exchange.one.0) };
-            if self.cost_m(&kept).max(self.cost_m(&grown)) < before_m[0] * (1.0 - EVEN / 4.0) {
-                (shares[from], shares[to]) = (kept, grown);
-                return true;
+            if self.cost_m(&kept).max(self.cost_m(&grown)) < most_m * (1.0 - EVEN / 4.0) {
+                return Some((kept, grown));
             }
             self.web.apply(exchange.undone());
         }
         self.undo(&giver.line, chord);
-        false
+        None
     }
 
     /// Up to each position of a line, how many places lie beside another line.
@@ -287,7 +298,7 @@ impl Sharing<'_> {
     /// The cheapest exchanges along each part of a line that join it to another, the best first.
     fn joins(&self, one: &[u32], other: &[u32]) -> Vec<Exchange> {
         let is_other = self.marks(other);
-        let reach_m = 1.6 * self.web.width_m;
+        let reach_m = JOIN_REACH * self.web.width_m;
         let mut best: [Option<(f64, Exchange)>; JOINS] = [None; JOINS];
         for (at, &place) in one.iter().enumerate() {
             let best = &mut best[at * JOINS / one.len()];
@@ -321,10 +332,21 @@ impl Sharing<'_> {
         ruler: &Ruler,
         judge: impl Fn(&Cutting<'_>) -> Option<(f64, usize, usize)>,
     ) -> Option<Chord> {
+        self.best_chords::<1>(line, ruler, judge).first().copied()
+    }
+
+    /// The best chord that begins in each of N parts of a line, the best first.
+    fn best_chords<const N: usize>(
+        &self,
+        line: &[u32],
+        ruler: &Ruler,
+        judge: impl Fn(&Cutting<'_>) -> Option<(f64, usize, usize)>,
+    ) -> Vec<Chord> {
         let mut position = vec![u32::MAX; self.web.len()];
         line.iter().enumerate().for_each(|(at, &place)| position[place as usize] = at as u32);
-        let mut best: Option<Chord> = None;
+        let mut chords: [Option<Chord>; N] = [None; N];
         for (before_first, &place) in line.iter().enumerate() {
+            let best = &mut chords[before_first * N / line.len()];
             for &beside in self.neighbours.of(place) {
                 let after_last = position[beside as usize];
                 if after_last == u32::MAX || (after_last as usize) < before_first + 4 {
@@ -348,11 +370,13 @@ impl Sharing<'_> {
                 let turn_m = TURN_WORTH * self.web.width_m * self.web.cost(exchange).turn_rad;
                 let score_m = worst_m + turn_m.max(0.0);
                 if best.is_none_or(|best| score_m < best.score_m) && self.allows(exchange) {
-                    best = Some(Chord { first, last, inner_m, outer_m, score_m, inner_robot, outer_robot });
+                    *best = Some(Chord { first, last, inner_m, outer_m, score_m, inner_robot, outer_robot });
                 }
             }
         }
-        best
+        let mut chords: Vec<Chord> = chords.into_iter().flatten().collect();
+        chords.sort_by(|a, b| a.score_m.total_cmp(&b.score_m));
+        chords
     }
 
     fn allows(&self, exchange: Exchange) -> bool {

@@ -30,6 +30,8 @@ pub(super) struct Smoothing<'a> {
     pub(super) width_m: f64,
     /// How much more ground is worth than the way that sweeps it.
     pub(super) ground_worth: f64,
+    /// No ground is given up below this share.
+    pub(super) least_coverage: f64,
 }
 
 impl Smoothing<'_> {
@@ -138,7 +140,8 @@ impl Smoothing<'_> {
         let before_m2 = self.swept.unswept_m2();
         self.exchange(&line[from..=to], &new);
         let lost_m = (self.swept.unswept_m2() - before_m2) / self.width_m * self.ground_worth;
-        if lost_m < shortcut.way_gain_m - LEAST_GAIN * self.width_m {
+        let is_enough = lost_m <= 0.0 || self.swept.coverage() >= self.least_coverage;
+        if is_enough && lost_m < shortcut.way_gain_m - LEAST_GAIN * self.width_m {
             line.splice(from + 1..to, shortcut.corner);
             return true;
         }
