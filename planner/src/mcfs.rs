@@ -91,7 +91,7 @@ pub struct McfsOptions {
 
 impl Default for McfsOptions {
     fn default() -> Self {
-        Self { coverage_target: None, rounds: 12, corrections: 4, paper: None }
+        Self { coverage_target: None, rounds: 12, corrections: 3, paper: None }
     }
 }
 

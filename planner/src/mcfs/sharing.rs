@@ -94,21 +94,27 @@ impl Sharing<'_> {
         let ruler = Ruler::new(self, line, robots);
         let drives_m: f64 = (0..robots.len()).map(|slot| 2.0 * ruler.whole_m(slot)).sum();
         let fair_m = (ruler.length_m() + drives_m) / robots.len() as f64;
-        self.best_chord(line, &ruler, |cutting| {
-            let rest_m = fair_m * (robots.len() - 1) as f64;
-            let mut best: Option<(f64, usize, usize)> = None;
-            for slot in 0..robots.len() {
-                let there_m = cutting.inner_cost_m(slot);
-                let others = (0..robots.len()).filter(|&other| other != slot);
-                let drives_m: f64 = others.map(|other| cutting.outer_cost_m(other) - cutting.outer_m).sum();
-                let rest_need_m = cutting.outer_m + drives_m;
-                let worst = (there_m / fair_m).max(rest_need_m / rest_m) * fair_m;
-                if best.is_none_or(|(least, ..)| worst < least) {
-                    best = Some((worst, robots[slot], usize::MAX));
+        self.best_chord(
+            line,
+            &ruler,
+            |_, _| true,
+            |cutting| {
+                let rest_m = fair_m * (robots.len() - 1) as f64;
+                let mut best: Option<(f64, usize, usize)> = None;
+                for slot in 0..robots.len() {
+                    let there_m = cutting.inner_cost_m(slot);
+                    let others = (0..robots.len()).filter(|&other| other != slot);
+                    let drives_m: f64 =
+                        others.map(|other| cutting.outer_cost_m(other) - cutting.outer_m).sum();
+                    let rest_need_m = cutting.outer_m + drives_m;
+                    let worst = (there_m / fair_m).max(rest_need_m / rest_m) * fair_m;
+                    if best.is_none_or(|(least, ..)| worst < least) {
+                        best = Some((worst, robots[slot], usize::MAX));
+                    }
                 }
-            }
-            best
-        })
+                best
+            },
+        )
     }
 
     /// Joins and cuts again pairs of neighbours; whether anything got better.
@@ -124,7 +130,7 @@ impl Sharing<'_> {
         let costs: Vec<f64> = shares.iter().map(|share| self.cost_m(share)).collect();
         order.sort_by(|&(a, b), &(c, d)| costs[c].max(costs[d]).total_cmp(&costs[a].max(costs[b])));
         for (a, b) in order {
-            if settled.contains(&(a, b)) {
+            if settled.contains(&(a, b)) || (stay_worth > 0.0 && self.are_even(&shares[a], &shares[b])) {
                 continue;
             }
             let evened = self.even_pair(shares, a, b, stay_worth);
@@ -140,6 +146,11 @@ impl Sharing<'_> {
         better
     }
 
+    fn are_even(&self, one: &Share, other: &Share) -> bool {
+        let [one_m, other_m] = [self.cost_m(one), self.cost_m(other)];
+        (one_m - other_m).abs() < EVEN * one_m.max(other_m)
+    }
+
     /// Cuts a part off one share and joins it to another one.
     fn hand_over(&mut self, shares: &mut [Share], from: usize, to: usize) -> bool {
         let before_m = [self.cost_m(&shares[from]), self.cost_m(&shares[to])];
@@ -153,7 +164,12 @@ impl Sharing<'_> {
         }
         let ruler = Ruler::new(self, &giver.line, &[giver.robot]);
         // The robot of the part that is kept is the giver's; of the part given none yet.
-        let chords = self.best_chords::<GIVEN>(&giver.line, &ruler, |cutting| {
+        let kept_m = self.corrections_m[giver.robot];
+        let may_do = |inner_m: f64, outer_m: f64| {
+            let gives = |given_m: f64, left_m: f64| (before_m[1] + given_m).max(left_m + kept_m);
+            gives(inner_m, outer_m).min(gives(outer_m, inner_m)) < before_m[0]
+        };
+        let chords = self.best_chords::<GIVEN>(&giver.line, &ruler, may_do, |cutting| {
             let touches_inside = touching[cutting.last + 1] - touching[cutting.first];
             let touches_outside = touching[giver.line.len()] - touches_inside;
             let give_inner = cutting.outer_cost_m(0).max(before_m[1] + cutting.inner_m);
@@ -241,7 +257,10 @@ impl Sharing<'_> {
         let ruler = Ruler::new(self, &line, &robots);
         let ones = self.up_to(&line, &one.line);
         let place_m = before.stay_worth * ruler.length_m() / line.len() as f64;
-        let chord = self.best_chord(&line, &ruler, |cutting| {
+        let less_m = robots.map(|robot| self.corrections_m[robot]).into_iter().fold(0.0, f64::min);
+        let may_do =
+            |inner_m: f64, outer_m: f64| score_m(inner_m + less_m, outer_m + less_m) < before.score_m;
+        let chord = self.best_chord(&line, &ruler, may_do, |cutting| {
             // Places that change hands when `one` gets the part inside.
             let inside = cutting.last + 1 - cutting.first;
             let inside_ones = (ones[cutting.last + 1] - ones[cutting.first]) as usize;
@@ -325,14 +344,15 @@ impl Sharing<'_> {
     }
 
     /// The chord with the least score; `judge` says makespan, robot inside and robot outside from the two lengths and
-    /// the drives of each robot to either.
+    /// the drives of each robot to either; `may_do`, whether lengths inside and outside are worth a closer look.
     fn best_chord(
         &self,
         line: &[u32],
         ruler: &Ruler,
+        may_do: impl Fn(f64, f64) -> bool,
         judge: impl Fn(&Cutting<'_>) -> Option<(f64, usize, usize)>,
     ) -> Option<Chord> {
-        self.best_chords::<1>(line, ruler, judge).first().copied()
+        self.best_chords::<1>(line, ruler, may_do, judge).first().copied()
     }
 
     /// The best chord that begins in each of N parts of a line, the best first.
@@ -340,6 +360,7 @@ impl Sharing<'_> {
         &self,
         line: &[u32],
         ruler: &Ruler,
+        may_do: impl Fn(f64, f64) -> bool,
         judge: impl Fn(&Cutting<'_>) -> Option<(f64, usize, usize)>,
     ) -> Vec<Chord> {
         let mut position = vec![u32::MAX; self.web.len()];
@@ -353,6 +374,10 @@ impl Sharing<'_> {
                     continue;
                 }
                 let (first, last) = (before_first + 1, after_last as usize - 1);
+                let around_m = ruler.length_m() - ruler.between_m(before_first, after_last as usize);
+                if !may_do(ruler.between_m(first, last), around_m) {
+                    continue;
+                }
                 let exchange = exchange_of(line, first, last);
                 let closing_m = self.web.distance_m(line[last], line[first]);
                 let passing_m = self.web.distance_m(place, beside);
@@ -360,8 +385,7 @@ impl Sharing<'_> {
                     continue;
                 }
                 let inner_m = ruler.between_m(first, last) + closing_m;
-                let outer_m =
-                    ruler.length_m() - ruler.between_m(before_first, after_last as usize) + passing_m;
+                let outer_m = around_m + passing_m;
                 let cutting = Cutting { ruler, first, last, inner_m, outer_m };
                 let Some((worst_m, inner_robot, outer_robot)) = judge(&cutting) else { continue };
                 if best.is_some_and(|best| worst_m >= best.score_m) {
