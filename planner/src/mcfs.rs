@@ -67,12 +67,15 @@ use web::Web;
 /// Strips narrower than this share of the tool's width are left to the smoothing.
 const LEAST_STRIP: f64 = 0.6;
 /// What ground is worth when all is to be swept. The last half percent costs most turning for its ground.
-const FULL_GROUND: GroundWorth = GroundWorth { before: 10.0, plenty: 0.9955, beyond: [5.0, 3.0] };
+const FULL_GROUND: GroundWorth =
+    GroundWorth { before: 10.0, plenty: 0.9955, beyond: [5.0, 3.0], turn_beyond: 2.0 * TURN_WORTH };
 
 /// Lines of which the longest is beyond the mean by no more than this share are even.
 const EVEN: f64 = 1e-3;
 /// Way that it is worth to leave as much way with its robot, once lines are smoothed.
 const STAY_WORTH: f64 = 0.1;
+/// Way that one radian of turning is worth when lines are smoothed, as a share of the tool's width.
+const TURN_WORTH: f64 = 0.5;
 /// By how much less the ground of a gap is worth that takes a detour.
 const GAP_DISCOUNT: f64 = 3.7;
 
@@ -121,8 +124,10 @@ struct GroundWorth {
     before: f64,
     /// When more than this share of the ground is swept, what is beyond may be given up again,
     plenty: f64,
-    /// at these worths, one after the other.
+    /// at these worths, one after the other,
     beyond: [f64; 2],
+    /// where one radian of turning is worth this share of the tool's width in way.
+    turn_beyond: f64,
 }
 
 /// Lines, and what they sweep.
@@ -248,15 +253,18 @@ fn smoothed(
         swept.put_in(pair[0], pair[1]);
     }
     let (walls, width_m) = (sharing.walls, instance.tool_width_m);
-    let smooth = |lines: &mut [Vec<Point>], swept: &mut SweptCounts, ground_worth, least_coverage| {
-        Smoothing { swept, walls, width_m, ground_worth, least_coverage }.smooth(lines, &is_new);
-    };
-    smooth(&mut lines, &mut swept, worth.before, 0.0);
-    let ground_worth = worth.before / GAP_DISCOUNT;
-    Gaps { swept: &mut swept, walls, width_m, ground_worth }.visit(&mut lines);
-    for beyond in worth.beyond {
-        if swept.coverage() > worth.plenty {
-            smooth(&mut lines, &mut swept, beyond, worth.plenty);
+    let (ground_worth, turn_worth) = (worth.before, TURN_WORTH);
+    Smoothing { swept: &mut swept, walls, width_m, ground_worth, turn_worth, least_coverage: 0.0 }
+        .smooth(&mut lines, &is_new);
+    if swept.coverage() < worth.plenty {
+        let ground_worth = worth.before / GAP_DISCOUNT;
+        Gaps { swept: &mut swept, walls, width_m, ground_worth }.visit(&mut lines);
+    }
+    for ground_worth in worth.beyond {
+        let (turn_worth, least_coverage) = (worth.turn_beyond, worth.plenty);
+        if swept.coverage() > least_coverage {
+            Smoothing { swept: &mut swept, walls, width_m, ground_worth, turn_worth, least_coverage }
+                .smooth(&mut lines, &is_new);
         }
     }
     for line in lines.iter_mut().zip(&is_new).map(|(line, _)| line) {

@@ -5,7 +5,7 @@
 
 use super::swept_counts::SweptCounts;
 use super::tracks::{self, Track};
-use super::{Cover, GroundWorth, McfsOptions, PolygonInstance, lines_along};
+use super::{Cover, GroundWorth, McfsOptions, PolygonInstance, TURN_WORTH, lines_along};
 use geo::{Euclidean, Length};
 use terrain::Point;
 
@@ -105,7 +105,8 @@ impl Search<'_> {
     /// Lines along tracks at a distance from the walls; what they sweep beyond a share is worth less.
     fn lines_for(&self, first_m: f64, options: &McfsOptions, plenty: f64) -> Option<Cover> {
         let tracks = worthwhile(self.instance, tracks::tracks(self.instance, first_m), self.least_yield);
-        let worth = GroundWorth { before: GROUND_WORTH, plenty, beyond: SPARE_GROUND_WORTHS };
+        let beyond = SPARE_GROUND_WORTHS;
+        let worth = GroundWorth { before: GROUND_WORTH, plenty, beyond, turn_beyond: TURN_WORTH };
         lines_along(self.instance, options, &tracks, &worth)
     }
 
