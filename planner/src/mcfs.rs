@@ -14,10 +14,10 @@
 //! joins two closed lines, and where it costs least way and turning (at corners, at ends of pockets, beside an earlier
 //! joint) it turns tracks into the two arms of a Fermat spiral. The same exchange within one line, a *chord*, cuts it
 //! at any length into two; k − 1 chords share the line out, and pairs of neighbours are joined and cut again, or hand
-//! a part over, until line and drives are even, and joints within a line move to where they cost least. Then every line
-//! is smoothed: stretches give way to straight ones and bends while way + turning + ground lost becomes less, so that
-//! jogs of neighbouring arms become slants. Gaps that are left are visited by detours that are worth it, and tips are
-//! rounded. Shares are evened out anew by the lengths that came of it.
+//! a part over, until line and drives are even. Then every line is smoothed: stretches give way to straight ones and
+//! bends while way + turning + ground lost becomes less, so that jogs of neighbouring arms become slants. Gaps that are
+//! left are visited by detours that are worth it; where plenty is swept, what costs most way and turning for its ground
+//! is given up again; tips are rounded. Shares are evened out anew by the lengths that came of it.
 //!
 //! **Guarantee.** Lines keep the body's radius from every wall (each link, chord, drive and shortcut is tested against
 //! the walls themselves). One line per piece of ground that some robot reaches. None on makespan; the bound is
@@ -38,7 +38,6 @@ mod drive;
 mod gaps;
 mod joining;
 mod joint;
-mod mending;
 mod near;
 mod polygon_instance;
 mod sharing;
@@ -67,11 +66,16 @@ use web::Web;
 
 /// Strips narrower than this share of the tool's width are left to the smoothing.
 const LEAST_STRIP: f64 = 0.6;
-/// How much more ground is worth than the way that sweeps it, when all is to be swept.
-const FULL_GROUND_WORTH: f64 = 10.0;
+/// What ground is worth when all is to be swept. The last half percent costs most turning for its ground.
+const FULL_GROUND: GroundWorth =
+    GroundWorth { before: 10.0, plenty: 0.9955, beyond: [5.0, 3.0], turn_beyond: 2.0 * TURN_WORTH };
 
+/// Lines of which the longest is beyond the mean by no more than this share are even.
+const EVEN: f64 = 1e-3;
 /// Way that it is worth to leave as much way with its robot, once lines are smoothed.
 const STAY_WORTH: f64 = 0.1;
+/// Way that one radian of turning is worth when lines are smoothed, as a share of the tool's width.
+const TURN_WORTH: f64 = 0.5;
 /// By how much less the ground of a gap is worth that takes a detour.
 const GAP_DISCOUNT: f64 = 3.7;
 
@@ -90,7 +94,7 @@ pub struct McfsOptions {
 
 impl Default for McfsOptions {
     fn default() -> Self {
-        Self { coverage_target: None, rounds: 12, corrections: 6, paper: None }
+        Self { coverage_target: None, rounds: 12, corrections: 3, paper: None }
     }
 }
 
@@ -114,6 +118,18 @@ pub(crate) fn cover_ground(instance: &PolygonInstance, options: &McfsOptions) ->
     whole(instance, options).map_or_else(Vec::new, |cover| cover.lines)
 }
 
+/// How much more ground is worth than the way that sweeps it.
+#[derive(Debug, Clone, Copy)]
+struct GroundWorth {
+    before: f64,
+    /// When more than this share of the ground is swept, what is beyond may be given up again,
+    plenty: f64,
+    /// at these worths, one after the other,
+    beyond: [f64; 2],
+    /// where one radian of turning is worth this share of the tool's width in way.
+    turn_beyond: f64,
+}
+
 /// Lines, and what they sweep.
 #[derive(Clone)]
 struct Cover {
@@ -130,11 +146,17 @@ impl Cover {
         self.lengths_m().into_iter().fold(0.0, f64::max)
     }
 
+    fn is_even(&self) -> bool {
+        let mean_m = self.lengths_m().iter().sum::<f64>() / self.lines.len() as f64;
+        self.makespan_m() < (1.0 + EVEN) * mean_m
+    }
+
     /// The makespan, and what each robot's part of the ground left is worth.
-    fn cost_m(&self, instance: &PolygonInstance, ground_worth: f64) -> f64 {
+    fn cost_m(&self, instance: &PolygonInstance, worth: &GroundWorth) -> f64 {
         let robots = self.lines.len() as f64;
-        let left_m = (1.0 - self.coverage) * instance.area_m2() / (robots * instance.tool_width_m);
-        self.makespan_m() + ground_worth * left_m
+        let left = 1.0 - self.coverage.min(worth.plenty);
+        let left_m = left * instance.area_m2() / (robots * instance.tool_width_m);
+        self.makespan_m() + worth.before / GAP_DISCOUNT * left_m
     }
 }
 
@@ -143,7 +165,7 @@ fn whole(instance: &PolygonInstance, options: &McfsOptions) -> Option<Cover> {
     let mut tracks = tracks::tracks(instance, tracks::first_distance_m(instance));
     let strips = tracks::strips(instance, &tracks, LEAST_STRIP);
     tracks.extend(strips);
-    lines_along(instance, options, &tracks, FULL_GROUND_WORTH)
+    lines_along(instance, options, &tracks, &FULL_GROUND)
 }
 
 /// Joins tracks, shares them out and smooths them.
@@ -151,7 +173,7 @@ fn lines_along(
     instance: &PolygonInstance,
     options: &McfsOptions,
     tracks: &[Track],
-    ground_worth: f64,
+    worth: &GroundWorth,
 ) -> Option<Cover> {
     if tracks.is_empty() {
         return None;
@@ -176,10 +198,12 @@ fn lines_along(
         }
     }
     sharing.settle(&mut shares, options.rounds, 0.0);
-    sharing.mend_joints(&mut shares);
-    let mut last = smoothed(instance, &sharing, &shares, ground_worth, None);
+    let mut last = smoothed(instance, &sharing, &shares, worth, None);
     let mut best = last.clone();
     for _ in 0..options.corrections {
+        if last.is_even() {
+            break;
+        }
         let before = shares.clone();
         let lengths_m = last.lengths_m();
         for share in &shares {
@@ -187,14 +211,11 @@ fn lines_along(
             sharing.corrections_m[share.robot] = lengths_m[share.robot] - raw_m;
         }
         sharing.settle(&mut shares, options.rounds, STAY_WORTH);
-        sharing.mend_joints(&mut shares);
         if shares == before {
             break;
         }
-        last = smoothed(instance, &sharing, &shares, ground_worth, Some((&before, &last)));
-        if last.cost_m(instance, ground_worth / GAP_DISCOUNT)
-            < best.cost_m(instance, ground_worth / GAP_DISCOUNT)
-        {
+        last = smoothed(instance, &sharing, &shares, worth, Some((&before, &last)));
+        if last.cost_m(instance, worth) < best.cost_m(instance, worth) {
             best = last.clone();
         }
     }
@@ -206,7 +227,7 @@ fn smoothed(
     instance: &PolygonInstance,
     sharing: &Sharing<'_>,
     shares: &[Share],
-    ground_worth: f64,
+    worth: &GroundWorth,
     before: Option<(&[Share], &Cover)>,
 ) -> Cover {
     let mut lines: Vec<Vec<Point>> = instance.starts.iter().map(|&start| vec![start]).collect();
@@ -232,9 +253,20 @@ fn smoothed(
         swept.put_in(pair[0], pair[1]);
     }
     let (walls, width_m) = (sharing.walls, instance.tool_width_m);
-    Smoothing { swept: &mut swept, walls, width_m, ground_worth }.smooth(&mut lines, &is_new);
-    let gaps_worth = ground_worth / GAP_DISCOUNT;
-    Gaps { swept: &mut swept, walls, width_m, ground_worth: gaps_worth }.visit(&mut lines);
+    let (ground_worth, turn_worth) = (worth.before, TURN_WORTH);
+    Smoothing { swept: &mut swept, walls, width_m, ground_worth, turn_worth, least_coverage: 0.0 }
+        .smooth(&mut lines, &is_new);
+    if swept.coverage() < worth.plenty {
+        let ground_worth = worth.before / GAP_DISCOUNT;
+        Gaps { swept: &mut swept, walls, width_m, ground_worth }.visit(&mut lines);
+    }
+    for ground_worth in worth.beyond {
+        let (turn_worth, least_coverage) = (worth.turn_beyond, worth.plenty);
+        if swept.coverage() > least_coverage {
+            Smoothing { swept: &mut swept, walls, width_m, ground_worth, turn_worth, least_coverage }
+                .smooth(&mut lines, &is_new);
+        }
+    }
     for line in lines.iter_mut().zip(&is_new).map(|(line, _)| line) {
         tips::round_tips(line, walls, width_m);
     }

@@ -17,12 +17,16 @@ use std::collections::BTreeSet;
 /// Pairs of shares closer than this part of their length are left as they are.
 const EVEN: f64 = 5e-4;
 /// Way that one radian of turning at a chord is worth, as a share of the tool's width: evenness counts more.
-const TURN_WORTH: f64 = 0.4;
+const TURN_WORTH: f64 = 0.6;
 
 /// How much the sum of two lines counts beside the longer of them.
 const SUM_WORTH: f64 = 0.2;
 /// Pairs farther apart than this part of their length are joined at several places in turn.
 const UNEVEN: f64 = 2e-3;
+/// Places that are linked when lines are joined are no farther apart, in tool widths.
+const JOIN_REACH: f64 = 1.6;
+/// A part to hand over is looked for from so many stretches of a line.
+const GIVEN: usize = 8;
 /// At so many places.
 const JOINS: usize = 8;
 /// Share of the turning that recutting adds, in way, that the gain must be beyond.
@@ -90,21 +94,27 @@ impl Sharing<'_> {
         let ruler = Ruler::new(self, line, robots);
         let drives_m: f64 = (0..robots.len()).map(|slot| 2.0 * ruler.whole_m(slot)).sum();
         let fair_m = (ruler.length_m() + drives_m) / robots.len() as f64;
-        self.best_chord(line, &ruler, |cutting| {
-            let rest_m = fair_m * (robots.len() - 1) as f64;
-            let mut best: Option<(f64, usize, usize)> = None;
-            for slot in 0..robots.len() {
-                let there_m = cutting.inner_cost_m(slot);
-                let others = (0..robots.len()).filter(|&other| other != slot);
-                let drives_m: f64 = others.map(|other| cutting.outer_cost_m(other) - cutting.outer_m).sum();
-                let rest_need_m = cutting.outer_m + drives_m;
-                let worst = (there_m / fair_m).max(rest_need_m / rest_m) * fair_m;
-                if best.is_none_or(|(least, ..)| worst < least) {
-                    best = Some((worst, robots[slot], usize::MAX));
+        self.best_chord(
+            line,
+            &ruler,
+            |_, _| true,
+            |cutting| {
+                let rest_m = fair_m * (robots.len() - 1) as f64;
+                let mut best: Option<(f64, usize, usize)> = None;
+                for slot in 0..robots.len() {
+                    let there_m = cutting.inner_cost_m(slot);
+                    let others = (0..robots.len()).filter(|&other| other != slot);
+                    let drives_m: f64 =
+                        others.map(|other| cutting.outer_cost_m(other) - cutting.outer_m).sum();
+                    let rest_need_m = cutting.outer_m + drives_m;
+                    let worst = (there_m / fair_m).max(rest_need_m / rest_m) * fair_m;
+                    if best.is_none_or(|(least, ..)| worst < least) {
+                        best = Some((worst, robots[slot], usize::MAX));
+                    }
                 }
-            }
-            best
-        })
+                best
+            },
+        )
     }
 
     /// Joins and cuts again pairs of neighbours; whether anything got better.
@@ -120,7 +130,7 @@ impl Sharing<'_> {
         let costs: Vec<f64> = shares.iter().map(|share| self.cost_m(share)).collect();
         order.sort_by(|&(a, b), &(c, d)| costs[c].max(costs[d]).total_cmp(&costs[a].max(costs[b])));
         for (a, b) in order {
-            if settled.contains(&(a, b)) {
+            if settled.contains(&(a, b)) || (stay_worth > 0.0 && self.are_even(&shares[a], &shares[b])) {
                 continue;
             }
             let evened = self.even_pair(shares, a, b, stay_worth);
@@ -136,6 +146,11 @@ impl Sharing<'_> {
         better
     }
 
+    fn are_even(&self, one: &Share, other: &Share) -> bool {
+        let [one_m, other_m] = [self.cost_m(one), self.cost_m(other)];
+        (one_m - other_m).abs() < EVEN * one_m.max(other_m)
+    }
+
     /// Cuts a part off one share and joins it to another one.
     fn hand_over(&mut self, shares: &mut [Share], from: usize, to: usize) -> bool {
         let before_m = [self.cost_m(&shares[from]), self.cost_m(&shares[to])];
@@ -149,30 +164,42 @@ impl Sharing<'_> {
         }
         let ruler = Ruler::new(self, &giver.line, &[giver.robot]);
         // The robot of the part that is kept is the giver's; of the part given none yet.
-        let chord = self.best_chord(&giver.line, &ruler, |cutting| {
+        let kept_m = self.corrections_m[giver.robot];
+        let may_do = |inner_m: f64, outer_m: f64| {
+            let gives = |given_m: f64, left_m: f64| (before_m[1] + given_m).max(left_m + kept_m);
+            gives(inner_m, outer_m).min(gives(outer_m, inner_m)) < before_m[0]
+        };
+        let chords = self.best_chords::<GIVEN>(&giver.line, &ruler, may_do, |cutting| {
             let touches_inside = touching[cutting.last + 1] - touching[cutting.first];
             let touches_outside = touching[giver.line.len()] - touches_inside;
             let give_inner = cutting.outer_cost_m(0).max(before_m[1] + cutting.inner_m);
             let give_outer = cutting.inner_cost_m(0).max(before_m[1] + cutting.outer_m);
             let inner = (touches_inside > 0).then_some((give_inner, usize::MAX, giver.robot));
             let outer = (touches_outside > 0).then_some((give_outer, giver.robot, usize::MAX));
-            [inner, outer].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0))
+            let best = [inner, outer].into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0));
+            best.filter(|best| best.0 < before_m[0])
         });
-        let Some(chord) = chord.filter(|chord| chord.score_m < before_m[0]) else { return false };
+        let handed = chords.into_iter().find_map(|chord| self.handed(&giver, &taker, chord, before_m[0]));
+        let Some((kept, grown)) = handed else { return false };
+        (shares[from], shares[to]) = (kept, grown);
+        true
+    }
+
+    /// What two shares become when a chord cuts a part off one that the other takes, if both cost less than `most_m`.
+    fn handed(&mut self, giver: &Share, taker: &Share, chord: Chord, most_m: f64) -> Option<(Share, Share)> {
         let (inner, outer) = self.cut(&giver.line, chord);
         let (kept, given) = if chord.inner_robot == giver.robot { (inner, outer) } else { (outer, inner) };
         if let Some(exchange) = self.best_join(&given, &taker.line) {
             self.web.apply(exchange);
             let kept = Share { robot: giver.robot, line: kept };
             let grown = Share { robot: taker.robot, line: self.web.closed_line(exchange.one.0) };
-            if self.cost_m(&kept).max(self.cost_m(&grown)) < before_m[0] * (1.0 - EVEN / 4.0) {
-                (shares[from], shares[to]) = (kept, grown);
-                return true;
+            if self.cost_m(&kept).max(self.cost_m(&grown)) < most_m * (1.0 - EVEN / 4.0) {
+                return Some((kept, grown));
             }
             self.web.apply(exchange.undone());
         }
         self.undo(&giver.line, chord);
-        false
+        None
     }
 
     /// Up to each position of a line, how many places lie beside another line.
@@ -230,7 +257,10 @@ impl Sharing<'_> {
         let ruler = Ruler::new(self, &line, &robots);
         let ones = self.up_to(&line, &one.line);
         let place_m = before.stay_worth * ruler.length_m() / line.len() as f64;
-        let chord = self.best_chord(&line, &ruler, |cutting| {
+        let less_m = robots.map(|robot| self.corrections_m[robot]).into_iter().fold(0.0, f64::min);
+        let may_do =
+            |inner_m: f64, outer_m: f64| score_m(inner_m + less_m, outer_m + less_m) < before.score_m;
+        let chord = self.best_chord(&line, &ruler, may_do, |cutting| {
             // Places that change hands when `one` gets the part inside.
             let inside = cutting.last + 1 - cutting.first;
             let inside_ones = (ones[cutting.last + 1] - ones[cutting.first]) as usize;
@@ -287,7 +317,7 @@ impl Sharing<'_> {
     /// The cheapest exchanges along each part of a line that join it to another, the best first.
     fn joins(&self, one: &[u32], other: &[u32]) -> Vec<Exchange> {
         let is_other = self.marks(other);
-        let reach_m = 1.6 * self.web.width_m;
+        let reach_m = JOIN_REACH * self.web.width_m;
         let mut best: [Option<(f64, Exchange)>; JOINS] = [None; JOINS];
         for (at, &place) in one.iter().enumerate() {
             let best = &mut best[at * JOINS / one.len()];
@@ -314,23 +344,40 @@ impl Sharing<'_> {
     }
 
     /// The chord with the least score; `judge` says makespan, robot inside and robot outside from the two lengths and
-    /// the drives of each robot to either.
+    /// the drives of each robot to either; `may_do`, whether lengths inside and outside are worth a closer look.
     fn best_chord(
         &self,
         line: &[u32],
         ruler: &Ruler,
+        may_do: impl Fn(f64, f64) -> bool,
         judge: impl Fn(&Cutting<'_>) -> Option<(f64, usize, usize)>,
     ) -> Option<Chord> {
+        self.best_chords::<1>(line, ruler, may_do, judge).first().copied()
+    }
+
+    /// The best chord that begins in each of N parts of a line, the best first.
+    fn best_chords<const N: usize>(
+        &self,
+        line: &[u32],
+        ruler: &Ruler,
+        may_do: impl Fn(f64, f64) -> bool,
+        judge: impl Fn(&Cutting<'_>) -> Option<(f64, usize, usize)>,
+    ) -> Vec<Chord> {
         let mut position = vec![u32::MAX; self.web.len()];
         line.iter().enumerate().for_each(|(at, &place)| position[place as usize] = at as u32);
-        let mut best: Option<Chord> = None;
+        let mut chords: [Option<Chord>; N] = [None; N];
         for (before_first, &place) in line.iter().enumerate() {
+            let best = &mut chords[before_first * N / line.len()];
             for &beside in self.neighbours.of(place) {
                 let after_last = position[beside as usize];
                 if after_last == u32::MAX || (after_last as usize) < before_first + 4 {
                     continue;
                 }
                 let (first, last) = (before_first + 1, after_last as usize - 1);
+                let around_m = ruler.length_m() - ruler.between_m(before_first, after_last as usize);
+                if !may_do(ruler.between_m(first, last), around_m) {
+                    continue;
+                }
                 let exchange = exchange_of(line, first, last);
                 let closing_m = self.web.distance_m(line[last], line[first]);
                 let passing_m = self.web.distance_m(place, beside);
@@ -338,8 +385,7 @@ impl Sharing<'_> {
                     continue;
                 }
                 let inner_m = ruler.between_m(first, last) + closing_m;
-                let outer_m =
-                    ruler.length_m() - ruler.between_m(before_first, after_last as usize) + passing_m;
+                let outer_m = around_m + passing_m;
                 let cutting = Cutting { ruler, first, last, inner_m, outer_m };
                 let Some((worst_m, inner_robot, outer_robot)) = judge(&cutting) else { continue };
                 if best.is_some_and(|best| worst_m >= best.score_m) {
@@ -348,11 +394,13 @@ impl Sharing<'_> {
                 let turn_m = TURN_WORTH * self.web.width_m * self.web.cost(exchange).turn_rad;
                 let score_m = worst_m + turn_m.max(0.0);
                 if best.is_none_or(|best| score_m < best.score_m) && self.allows(exchange) {
-                    best = Some(Chord { first, last, inner_m, outer_m, score_m, inner_robot, outer_robot });
+                    *best = Some(Chord { first, last, inner_m, outer_m, score_m, inner_robot, outer_robot });
                 }
             }
         }
-        best
+        let mut chords: Vec<Chord> = chords.into_iter().flatten().collect();
+        chords.sort_by(|a, b| a.score_m.total_cmp(&b.score_m));
+        chords
     }
 
     fn allows(&self, exchange: Exchange) -> bool {

@@ -17,8 +17,6 @@ const LONGEST: usize = 15;
 const LEAST_GAIN: f64 = 1e-3;
 /// Share of the area cut off that is surely lost.
 const LIKELY_LOSS: f64 = 0.2;
-/// Way that one radian of turning is worth, as a share of the tool's width.
-const TURN_WORTH: f64 = 0.5;
 /// Turns beyond this are sharp, and each radian beyond counts for so many more.
 const SHARP_RAD: f64 = 2.2;
 const SHARPNESS: f64 = 4.0;
@@ -30,6 +28,10 @@ pub(super) struct Smoothing<'a> {
     pub(super) width_m: f64,
     /// How much more ground is worth than the way that sweeps it.
     pub(super) ground_worth: f64,
+    /// Way that one radian of turning is worth, as a share of the tool's width.
+    pub(super) turn_worth: f64,
+    /// No ground is given up below this share.
+    pub(super) least_coverage: f64,
 }
 
 impl Smoothing<'_> {
@@ -70,7 +72,7 @@ impl Smoothing<'_> {
 
     /// What saves most way and turning when it stands in for the points after one: nothing, or one corner.
     fn best_shortcut(&self, line: &[Point], from: usize) -> Option<Shortcut> {
-        let turn_m = TURN_WORTH * self.width_m;
+        let turn_m = self.turn_worth * self.width_m;
         let mut best: Option<Shortcut> = None;
         // Way and turning of the points so far, up to and with the turn at the last of them.
         let mut old_m = turn_at(line, from) * turn_m;
@@ -138,7 +140,8 @@ impl Smoothing<'_> {
         let before_m2 = self.swept.unswept_m2();
         self.exchange(&line[from..=to], &new);
         let lost_m = (self.swept.unswept_m2() - before_m2) / self.width_m * self.ground_worth;
-        if lost_m < shortcut.way_gain_m - LEAST_GAIN * self.width_m {
+        let is_enough = lost_m <= 0.0 || self.swept.coverage() >= self.least_coverage;
+        if is_enough && lost_m < shortcut.way_gain_m - LEAST_GAIN * self.width_m {
             line.splice(from + 1..to, shortcut.corner);
             return true;
         }

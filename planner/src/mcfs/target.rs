@@ -5,7 +5,7 @@
 
 use super::swept_counts::SweptCounts;
 use super::tracks::{self, Track};
-use super::{Cover, McfsOptions, PolygonInstance, lines_along};
+use super::{Cover, GroundWorth, McfsOptions, PolygonInstance, TURN_WORTH, lines_along};
 use geo::{Euclidean, Length};
 use terrain::Point;
 
@@ -13,18 +13,18 @@ use terrain::Point;
 const LEAST_YIELDS: [f64; 2] = [0.85, 0.5];
 /// How much more ground is worth than the way that sweeps it.
 const GROUND_WORTH: f64 = 2.0;
-/// What it is worth when some may still be lost in the end: each is tried.
-const CHEAPER_GROUND: [f64; 2] = [1.5, 1.1];
+/// What it is worth in the end, when more is swept than was asked for.
+const SPARE_GROUND_WORTHS: [f64; 2] = [1.5, 1.1];
 /// Distances from the walls that are tried.
 const TRIALS: usize = 6;
 /// Trials even the shares out so often; the best distance from the walls is then planned as often as was asked for.
 const TRIAL_CORRECTIONS: usize = 1;
 /// So often the tracks are moved farther when the best trial is planned in full.
-const REFINEMENTS: usize = 4;
+const REFINEMENTS: usize = 2;
 /// Near enough to the share asked for.
 const NEAR: f64 = 1.5e-3;
 /// The raster may be so far off.
-const RASTER_ERROR: f64 = 5e-4;
+const RASTER_ERROR: f64 = 8e-4;
 
 /// The best cover found that sweeps at least `target` of the ground; with all tracks when none does.
 pub(super) fn cover_share(instance: &PolygonInstance, options: &McfsOptions, target: f64) -> Option<Cover> {
@@ -34,7 +34,7 @@ pub(super) fn cover_share(instance: &PolygonInstance, options: &McfsOptions, tar
     });
     let best = trials.min_by(|a, b| a.2.makespan_m().total_cmp(&b.2.makespan_m()));
     match best {
-        Some((search, first_m, trial)) => Some(search.refined(first_m, trial)),
+        Some((search, first_m, trial)) => search.refined(first_m, trial),
         None => super::whole(instance, options),
     }
 }
@@ -78,7 +78,7 @@ impl Search<'_> {
     }
 
     /// Plans a trial in full, and moves the tracks on while enough is swept.
-    fn refined(&self, mut near_m: f64, mut best: Cover) -> Cover {
+    fn refined(&self, mut near_m: f64, mut best: Cover) -> Option<Cover> {
         let mut step_m = self.rim_m(self.spare(&best).max(0.0));
         for round in 0..=REFINEMENTS {
             let first_m = if round == 0 { near_m } else { near_m + step_m };
@@ -93,19 +93,21 @@ impl Search<'_> {
                 best = cover;
             }
         }
-        let cheaper =
-            CHEAPER_GROUND.into_iter().filter_map(|worth| self.lines_for(near_m, self.options, worth));
-        let enough = cheaper.filter(|cover| self.spare(cover) >= 0.0);
-        enough.chain([best.clone()]).min_by(|a, b| a.makespan_m().total_cmp(&b.makespan_m())).unwrap_or(best)
+        let exact = self.lines_for(near_m, self.options, self.target + RASTER_ERROR);
+        let enough = exact.filter(|cover| self.spare(cover) >= 0.0);
+        enough.into_iter().chain([best]).min_by(|a, b| a.makespan_m().total_cmp(&b.makespan_m()))
     }
 
     fn lines(&self, first_m: f64, options: &McfsOptions) -> Option<Cover> {
-        self.lines_for(first_m, options, GROUND_WORTH)
+        self.lines_for(first_m, options, 1.0)
     }
 
-    fn lines_for(&self, first_m: f64, options: &McfsOptions, ground_worth: f64) -> Option<Cover> {
+    /// Lines along tracks at a distance from the walls; what they sweep beyond a share is worth less.
+    fn lines_for(&self, first_m: f64, options: &McfsOptions, plenty: f64) -> Option<Cover> {
         let tracks = worthwhile(self.instance, tracks::tracks(self.instance, first_m), self.least_yield);
-        lines_along(self.instance, options, &tracks, ground_worth)
+        let beyond = SPARE_GROUND_WORTHS;
+        let worth = GroundWorth { before: GROUND_WORTH, plenty, beyond, turn_beyond: TURN_WORTH };
+        lines_along(self.instance, options, &tracks, &worth)
     }
 
     fn spare(&self, cover: &Cover) -> f64 {

@@ -11,9 +11,9 @@ use geo::{Area, BooleanOps, Buffer, LineString, MultiPolygon, Simplify};
 use terrain::Point;
 
 /// How far a track may be moved to have fewer corners, as a share of the tool's width.
-const SIMPLIFIED: f64 = 1.0 / 300.0;
+const SIMPLIFIED: f64 = 1.0 / 1250.0;
 /// Share of the tool's width that tracks are farther from walls than they need, for all that is rounded.
-const MARGIN: f64 = 1.0 / 240.0;
+const MARGIN: f64 = 1.0 / 1000.0;
 /// The most tracks that may lie inside each other.
 const DEPTH_MAX: usize = 10_000;
 /// Gaps up to this share of the tool's width are seams that rounding makes.

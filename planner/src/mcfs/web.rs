@@ -27,8 +27,6 @@ pub(super) struct Web {
     pub(super) track: Vec<u32>,
     /// The two places before and after each; no matter which is which.
     pub(super) links: Vec<[u32; 2]>,
-    /// The same as the tracks have them, before any exchange.
-    on_track: Vec<[u32; 2]>,
     pub(super) width_m: f64,
     /// Way along the track up to each place, metres.
     along_m: Vec<f64>,
@@ -57,7 +55,6 @@ impl Web {
             at: Vec::new(),
             track: Vec::new(),
             links: Vec::new(),
-            on_track: Vec::new(),
             width_m,
             along_m: Vec::new(),
             track_m: Vec::new(),
@@ -66,7 +63,6 @@ impl Web {
         for (number, track) in tracks.iter().enumerate() {
             web.add_track(number as u32, track);
         }
-        web.on_track.clone_from(&web.links);
         web
     }
 
@@ -126,11 +122,6 @@ impl Web {
         }
         let way_m = (self.along_m[a as usize] - self.along_m[b as usize]).abs();
         way_m.min(self.track_m[track as usize] - way_m)
-    }
-
-    /// The places before and after one on its track from which it is parted now.
-    pub(super) fn parted(&self, place: u32) -> impl Iterator<Item = u32> + '_ {
-        self.on_track[place as usize].into_iter().filter(move |&other| !self.linked(place, other))
     }
 
     pub(super) fn linked(&self, a: u32, b: u32) -> bool {
