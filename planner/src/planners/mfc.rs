@@ -16,7 +16,7 @@
 //! time of the walks, turns included; and B′, the largest total weight that the matching may make, is as small as can
 //! be. Bounds are multiples of a part of an even share, closer only where the guarantee needs it (`mfc/bounds.rs`). Blocks
 //! may be partly open, weights count. The paper leaves open how ties between equal edges are broken, and Even and others
-//! which subtree is split off first. Four minimum spanning trees are tried: one breadth first, split late; three by
+//! which subtree is split off first. Five minimum spanning trees are tried: one breadth first, split late; four by
 //! chance, split early. Where one robot alone, as by `stc`, takes less time, that is the answer: with turns, delays and
 //! ragged blocks theorem 2 does not hold by itself.
 

@@ -5,7 +5,7 @@
 //! guarantee needs them: until no cover can weigh less than a quarter of the best one found.
 
 /// Bounds are multiples of an even share of the work over this.
-const PARTS: f64 = 14.0;
+const PARTS: f64 = 12.0;
 
 /// The bracket of a bisection.
 #[derive(Debug, Clone, Copy)]
@@ -75,7 +75,7 @@ mod tests {
 
     #[test]
     fn bounds_are_parts_of_a_share() {
-        let tried = tried(&[1.0; 280], 4, 50.0, 100.0);
+        let tried = tried(&[1.0; 240], 4, 50.0, 100.0);
         assert!(tried.iter().all(|bound| bound % 5.0 == 0.0), "{tried:?}");
         assert!(tried.contains(&50.0) && tried.contains(&45.0), "{tried:?}");
     }

@@ -27,7 +27,8 @@ enum Growth {
 }
 
 /// The spanning trees tried for one unit of effort.
-const GROWTHS: [Growth; 4] = [Growth::BreadthFirst, Growth::ByChance, Growth::ByChance, Growth::ByChance];
+const GROWTHS: [Growth; 5] =
+    [Growth::BreadthFirst, Growth::ByChance, Growth::ByChance, Growth::ByChance, Growth::ByChance];
 /// Beyond so many blocks one spanning tree has to do.
 const LARGE: usize = 20_000;
 /// An edge of a tree, from the root away.
