@@ -13,12 +13,14 @@
 //! Robots and Systems (IROS), 2005; the cover is by G. Even, N. Garg, J. Könemann, R. Ravi, A. Sinha: Min-max tree covers of
 //! graphs. Operations Research Letters 32(4), 2004.
 //! **Departures.** Both improvements are there: of all covers found during the bisection the best one counts, by the
-//! time of the walks, turns included; and B′, the largest total weight that the matching may make, is as small as can be. Blocks may be
-//! partly open, weights count. The paper does not say how ties
-//! between equal edges are broken; several minimum spanning trees are tried, breadth first and by chance. Where one robot
-//! alone, as by `stc`, takes less time, that is the answer: with turns, delays and ragged blocks theorem 2 does not hold by
-//! itself.
+//! time of the walks, turns included; and B′, the largest total weight that the matching may make, is as small as can
+//! be. Bounds are multiples of a part of an even share, closer only where the guarantee needs it (`mfc/bounds.rs`). Blocks
+//! may be partly open, weights count. The paper leaves open how ties between equal edges are broken, and Even and others
+//! which subtree is split off first. Five minimum spanning trees are tried: one breadth first, split late; four by
+//! chance, split early. Where one robot alone, as by `stc`, takes less time, that is the answer: with turns, delays and
+//! ragged blocks theorem 2 does not hold by itself.
 
+mod bounds;
 mod cover;
 mod matching;
 mod reach;

@@ -1,9 +1,10 @@
 //! Rooted tree covers for one bound after another.
 
 use super::{
+    bounds::Bounds,
     matching::{Offer, assign},
     reach::Reach,
-    splitting::{Piece, split},
+    splitting::{Piece, split_early, split_late},
 };
 use crate::{
     Instance,
@@ -16,19 +17,20 @@ use std::{
     collections::{BTreeMap, BinaryHeap, VecDeque},
 };
 
-/// How equal edges are ordered: by chance, or breadth first with a little chance (in groups of so many).
-#[derive(Debug, Clone, Copy)]
-enum Ties {
+/// How equal edges are ordered, and with it the shape of the trees and how they are split.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Growth {
+    /// Short bushy trees; split late, into few large pieces.
+    BreadthFirst,
+    /// Any minimum spanning tree; split early, into pieces hardly heavier than the bound.
     ByChance,
-    BreadthFirst(u64),
 }
 
-/// Beyond so many blocks one spanning tree has to do, and fewer bounds.
-const LARGE: usize = 20_000;
 /// The spanning trees tried for one unit of effort.
-const TREES: [Ties; 5] =
-    [Ties::BreadthFirst(1), Ties::BreadthFirst(16), Ties::BreadthFirst(16), Ties::ByChance, Ties::ByChance];
-
+const GROWTHS: [Growth; 5] =
+    [Growth::BreadthFirst, Growth::ByChance, Growth::ByChance, Growth::ByChance, Growth::ByChance];
+/// Beyond so many blocks one spanning tree has to do.
+const LARGE: usize = 20_000;
 /// An edge of a tree, from the root away.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Edge {
@@ -64,36 +66,23 @@ impl<'a> Search<'a> {
     /// The cover whose slowest walk takes the least time, of all that the bisections on the bound find.
     pub(super) fn best_cover(&self, effort: u32, seed: u64) -> Forest {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let trees = if self.blocks.len() > LARGE { &TREES[..1] } else { &TREES[..] };
-        let tries = (0..effort.max(1)).flat_map(|_| trees.iter().copied());
-        let covers = tries.map(|ties| self.best_cover_of(&self.spanning_trees(ties, &mut rng)));
+        let growths = if self.blocks.len() > LARGE { &GROWTHS[..1] } else { &GROWTHS[..] };
+        let tries = (0..effort.max(1)).flat_map(|_| growths.iter().copied());
+        let covers = tries.map(|growth| self.best_cover_of(&self.spanning_trees(growth, &mut rng), growth));
         let best = covers.min_by(|a, b| a.makespan_s().total_cmp(&b.makespan_s()));
         best.expect("at least one tree is tried")
     }
 
-    fn best_cover_of(&self, trees: &[Vec<Edge>]) -> Forest {
+    fn best_cover_of(&self, trees: &[Vec<Edge>], growth: Growth) -> Forest {
         let weights = trees.iter().flatten().map(|edge| edge.weight);
-        let (all, heaviest) = weights.fold((0.0, 0.0), |(all, most): (f64, f64), w| (all + w, most.max(w)));
-        // With this bound everything is left over at the roots.
-        let mut best = self.cover(trees, 2.0 * all + 1.0).expect("leftovers need no match");
-        let (mut low, mut high) = (heaviest.min(all), 2.0 * all + 1.0);
-        let lightest =
-            trees.iter().flatten().map(|edge| edge.weight).filter(|&w| w > 0.0).fold(all, f64::min);
-        // Closer bounds than half an edge seldom split otherwise.
-        let close = lightest.max(1e-6 * all) / 2.0;
-        let close =
-            if self.blocks.len() > LARGE { close.max(1e-3 * all / self.roots.len() as f64) } else { close };
-        while high - low > close {
-            let bound = f64::midpoint(low, high);
-            match self.cover(trees, bound) {
-                Some(found) => {
-                    high = bound;
-                    if found.makespan_s() < best.makespan_s() {
-                        best = found;
-                    }
-                }
-                None => low = bound,
-            }
+        let mut bounds = Bounds::new(weights, self.roots.len());
+        let mut best = self.cover(trees, growth, bounds.whole()).expect("leftovers need no match");
+        while let Some(bound) = bounds.next(best.makespan_s()) {
+            let found = self.cover(trees, growth, bound);
+            bounds.narrow(bound, found.is_some());
+            best = found
+                .into_iter()
+                .fold(best, |best, found| if found.makespan_s() < best.makespan_s() { found } else { best });
         }
         best
     }
@@ -107,8 +96,9 @@ impl<'a> Search<'a> {
         (joined_s - apart_s).max(0.0)
     }
 
-    /// A minimum spanning forest with all roots taken as one (Prim), edges in the order in which they were found. Branches in which nothing is needed are left out.
-    fn spanning_trees(&self, ties: Ties, rng: &mut ChaCha8Rng) -> Vec<Vec<Edge>> {
+    /// A minimum spanning forest with all roots taken as one (Prim), edges in the order in which they were found.
+    /// Branches in which nothing is needed are left out.
+    fn spanning_trees(&self, growth: Growth, rng: &mut ChaCha8Rng) -> Vec<Vec<Edge>> {
         let mut tree_of: Vec<Option<usize>> = vec![None; self.blocks.len()];
         let mut heap = BinaryHeap::new();
         let mut seen = 0_u64;
@@ -116,9 +106,9 @@ impl<'a> Search<'a> {
         let mut look = |heap: &mut BinaryHeap<_>, from: Block, tree: usize| {
             for joint in 0..self.blocks.joints[from as usize].len() as u8 {
                 seen += 1;
-                let order = match ties {
-                    Ties::ByChance => rng.random::<u64>(),
-                    Ties::BreadthFirst(group) => (seen / group) << 32 | u64::from(rng.random::<u32>()),
+                let order = match growth {
+                    Growth::ByChance => rng.random(),
+                    Growth::BreadthFirst => seen,
                 };
                 heap.push(Reverse((self.weight(from, joint).to_bits(), order, from, joint, tree)));
             }
@@ -155,7 +145,11 @@ impl<'a> Search<'a> {
     }
 
     /// Steps 3 to 5 for one bound; `None` when some subtree finds no robot.
-    fn cover(&self, trees: &[Vec<Edge>], bound: f64) -> Option<Forest> {
+    fn cover(&self, trees: &[Vec<Edge>], growth: Growth, bound: f64) -> Option<Forest> {
+        let split = match growth {
+            Growth::BreadthFirst => split_late,
+            Growth::ByChance => split_early,
+        };
         let (leftovers, subtrees): (Vec<Piece>, Vec<Vec<Piece>>) =
             trees.iter().zip(self.roots).map(|(edges, &root)| split(root, edges, bound)).unzip();
         let subtrees: Vec<Piece> = subtrees.into_iter().flatten().collect();
