@@ -8,6 +8,7 @@ use benchmark::{BENCHMARKS, Benchmark, Options, Table};
 use clap::{Args, builder::PossibleValuesParser};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::{
+    io::Write as _,
     path::{Path, PathBuf},
     process::ExitCode,
     time::Duration,
@@ -63,7 +64,7 @@ pub fn run(args: &BenchArgs) -> Result<ExitCode> {
     let bar = ProgressBar::new_spinner()
         .with_style(ProgressStyle::with_template("{spinner} {wide_msg} {elapsed}")?);
     bar.enable_steady_tick(Duration::from_millis(200));
-    let tables = (benchmark.run)(&options, &mut |what: &str| bar.set_message(what.to_owned()));
+    let tables = (benchmark.run)(&options, &mut |what: &str| show(&bar, what));
     bar.finish_and_clear();
     let tables = tables?;
     for table in &tables {
@@ -76,6 +77,16 @@ pub fn run(args: &BenchArgs) -> Result<ExitCode> {
         write_section(path, benchmark, args, &tables)?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Shows what is being measured: in place on a terminal, else as a line with the seconds since the start.
+fn show(bar: &ProgressBar, what: &str) {
+    if bar.is_hidden() {
+        // Nobody has to read this: a closed pipe ends nothing.
+        let _ = writeln!(std::io::stderr(), "{:6.0} s  {what}", bar.elapsed().as_secs_f64());
+    } else {
+        bar.set_message(what.to_owned());
+    }
 }
 
 fn write_files(folder: &Path, tables: &[Table]) -> Result<()> {

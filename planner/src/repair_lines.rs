@@ -557,7 +557,7 @@ mod tests {
         for (robot, route) in planned.routes().iter().enumerate() {
             let line = chamfered(&route.points);
             let driven = ((line.len() as f64 * share) as usize).min(line.len().saturating_sub(1));
-            for pair in line[..=driven.min(line.len().saturating_sub(1))].windows(2) {
+            for pair in line.get(..=driven).unwrap_or_default().windows(2) {
                 raster.sweep(Segment::new(pair[0], pair[1]), floor.tool_width_m() / 2.0, |_| {});
             }
             let ahead = line.get(driven..).unwrap_or_default().to_vec();

@@ -4,8 +4,8 @@
 //! did, so here bounds are multiples of a part of an even share, and closer ones are tried only as long as the
 //! guarantee needs them: until no cover can weigh less than a quarter of the best one found.
 
-/// Bounds are multiples of an even share of the work over this.
-const PARTS: f64 = 12.0;
+/// Bounds are multiples of an even share of the work over this: of 8 % of a share.
+const PARTS: f64 = 12.5;
 
 /// The bracket of a bisection.
 #[derive(Debug, Clone, Copy)]
@@ -75,7 +75,7 @@ mod tests {
 
     #[test]
     fn bounds_are_parts_of_a_share() {
-        let tried = tried(&[1.0; 240], 4, 50.0, 100.0);
+        let tried = tried(&[1.0; 250], 4, 50.0, 100.0);
         assert!(tried.iter().all(|bound| bound % 5.0 == 0.0), "{tried:?}");
         assert!(tried.contains(&50.0) && tried.contains(&45.0), "{tried:?}");
     }
