@@ -9,11 +9,14 @@
 //! ```
 
 use crate::{
-    Cell, Direction, GridMap, Lattice, Point, Segment,
+    Cell, Direction, GridMap, Lattice, Point, Segment, Vector,
     footprint::{SAMPLES_PER_CELL, sample_point, samples_within},
 };
 use std::sync::Arc;
 use thiserror::Error;
+
+/// An end of a segment so near to the line between two cells lies on it, metres.
+const ON_LINE_M: f64 = 1e-6;
 
 /// The most cells a lattice may have.
 pub const CELLS_MAX: u64 = 16 << 20;
@@ -187,8 +190,12 @@ impl Floor {
         map_is_free && (self.map.is_some() || self.cells_are_joined(segment))
     }
 
+    /// A segment that ends on the line between two cells is held to both: else two of them, each on its own side, would lead
+    /// through the wall between.
     fn cells_are_joined(&self, segment: Segment) -> bool {
-        let cells = self.lattice.cells_along(segment);
+        let more =
+            (segment.to - segment.from).try_normalize(0.0).map_or(Vector::zeros(), |way| way * ON_LINE_M);
+        let cells = self.lattice.cells_along(Segment::new(segment.from - more, segment.to + more));
         cells.iter().all(|&cell| self.cell_is_drivable(cell))
             && cells.windows(2).all(|pair| {
                 Direction::between(pair[0], pair[1]).is_some_and(|way| self.can_move(pair[0], way))
@@ -423,6 +430,21 @@ mod tests {
         let map = GridMap::from_drawing(drawing, 0.5).unwrap();
         let wide = Floor::new(&map, 0.5, 0.26, 0.75);
         assert!(wide.is_err_and(|error| matches!(error, FloorError::NothingDrivable { .. })));
+    }
+
+    #[test]
+    fn nobody_gets_through_a_thin_wall_by_way_of_a_point_on_it() {
+        let lattice = Lattice { origin: Point::origin(), cell_m: 0.5, columns: 1, rows: 2 };
+        let mut floor = Floor::from_cells(lattice, &[true; 2], 0.1, 0.5);
+        let [below, above] = [0.25, 0.75].map(|y| Point::new(0.25, y));
+        assert!(floor.segment_is_free(Segment::new(below, above)));
+        floor.close_move(Cell::new(0, 0), Direction::North);
+        for y in [0.5, 0.5 - 1e-12, 0.5 + 1e-12] {
+            let on_wall = Point::new(0.25, y);
+            let is_free = |from, to| floor.segment_is_free(Segment::new(from, to));
+            assert!(!is_free(below, on_wall) || !is_free(on_wall, above), "{y}");
+        }
+        assert!(floor.segment_is_free(Segment::new(below, Point::new(0.25, 0.49))));
     }
 
     #[test]

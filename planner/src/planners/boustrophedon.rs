@@ -184,3 +184,26 @@ impl CellPath {
         (0..4).min_by(|&a, &b| height(a).total_cmp(&height(b))).expect("there are four")
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::{Instance, Mode, PlanOptions, Start, plan, test_motion::MOTION};
+    use terrain::{Cell, Direction, Floor, Lattice, Point};
+
+    /// Two pieces of ground that touch at a thin wall, each with its robot.
+    #[test]
+    fn a_wall_between_two_cells_parts_them() {
+        let lattice = Lattice { origin: Point::origin(), cell_m: 0.5, columns: 2, rows: 4 };
+        let free = [true, true, true, false, true, true, true, false];
+        let mut floor = Floor::from_cells(lattice, &free, 0.177, 0.75);
+        floor.close_move(Cell::new(0, 1), Direction::North);
+        let starts = [Cell::new(0, 0), Cell::new(0, 2)].map(Start::at).to_vec();
+        let mut instance = Instance::whole_floor(&floor, starts, MOTION, Mode::Cover);
+        instance.visit = (0..8).map(|cell| cell % 2 == 0).collect();
+        for planner in ["boustrophedon", "bc-sweep-horizontal", "bc-sweep-vertical", "bc-sweep-hybrid"] {
+            let options = PlanOptions { planner: planner.to_owned(), ..PlanOptions::default() };
+            let planned = plan(&instance, &options);
+            assert!(planned.is_ok(), "{planner}: {planned:?}");
+        }
+    }
+}
