@@ -9,13 +9,13 @@
 //! ```
 
 use crate::{
-    Cell, Direction, GridMap, Lattice, Point, Segment, Vector,
+    Cell, Direction, GridMap, Lattice, Point, Segment,
     footprint::{SAMPLES_PER_CELL, sample_point, samples_within},
 };
 use std::sync::Arc;
 use thiserror::Error;
 
-/// An end of a segment so near to the line between two cells lies on it, metres.
+/// Who is so near to the line between two cells is on it, metres.
 const ON_LINE_M: f64 = 1e-6;
 
 /// The most cells a lattice may have.
@@ -190,16 +190,19 @@ impl Floor {
         map_is_free && (self.map.is_some() || self.cells_are_joined(segment))
     }
 
-    /// A segment that ends on the line between two cells is held to both: else two of them, each on its own side, would lead
-    /// through the wall between.
+    /// Who is on the line between two cells is in both: where the move between them is closed, that line is a wall, and nobody
+    /// gets through it by going to it on one side and off it on the other.
     fn cells_are_joined(&self, segment: Segment) -> bool {
-        let more =
-            (segment.to - segment.from).try_normalize(0.0).map_or(Vector::zeros(), |way| way * ON_LINE_M);
-        let cells = self.lattice.cells_along(Segment::new(segment.from - more, segment.to + more));
-        cells.iter().all(|&cell| self.cell_is_drivable(cell))
+        let cells = self.lattice.cells_along(segment);
+        cells.iter().all(|&cell| self.cell_is_drivable(cell) && self.keeps_off_closed_sides(cell, &segment))
             && cells.windows(2).all(|pair| {
                 Direction::between(pair[0], pair[1]).is_some_and(|way| self.can_move(pair[0], way))
             })
+    }
+
+    fn keeps_off_closed_sides(&self, cell: Cell, segment: &Segment) -> bool {
+        let mut closed = Direction::ALL.into_iter().filter(|&way| !self.can_move(cell, way));
+        closed.all(|way| self.lattice.side(cell, way).distance(segment) >= ON_LINE_M)
     }
 
     /// Whether the body can stand at the centre of the cell with this number.
@@ -439,12 +442,13 @@ mod tests {
         let [below, above] = [0.25, 0.75].map(|y| Point::new(0.25, y));
         assert!(floor.segment_is_free(Segment::new(below, above)));
         floor.close_move(Cell::new(0, 0), Direction::North);
+        let is_free = |from, to| floor.segment_is_free(Segment::new(from, to));
         for y in [0.5, 0.5 - 1e-12, 0.5 + 1e-12] {
             let on_wall = Point::new(0.25, y);
-            let is_free = |from, to| floor.segment_is_free(Segment::new(from, to));
-            assert!(!is_free(below, on_wall) || !is_free(on_wall, above), "{y}");
+            assert!(!is_free(below, on_wall) && !is_free(on_wall, above), "{y}");
+            assert!(!is_free(on_wall, Point::new(0.3, y)), "{y}");
         }
-        assert!(floor.segment_is_free(Segment::new(below, Point::new(0.25, 0.49))));
+        assert!(is_free(below, Point::new(0.25, 0.49)));
     }
 
     #[test]

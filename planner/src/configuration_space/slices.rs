@@ -46,11 +46,13 @@ impl ConfigurationSpace<'_> {
         let length_m = segment.length();
         let mut before: Option<Cell> = None;
         for (from_m, to_m) in pieces(segment, lattice.origin, lattice.cell_m) {
-            let middle =
-                segment.from + (segment.to - segment.from) * (f64::midpoint(from_m, to_m) / length_m);
-            let cell = lattice.cell_at(middle);
+            let at = |way_m: f64| segment.from + (segment.to - segment.from) * (way_m / length_m);
+            let cell = lattice.cell_at(at(f64::midpoint(from_m, to_m)));
+            // Without a map the sides of cells may be walls: those across are looked at below, these are beside the line.
+            let inner = || Segment::new(at(from_m + MARGIN_M), at(to_m - MARGIN_M));
             let open = cell.is_some_and(|cell| self.cell_is_open(cell))
-                && (floor.map().is_some() || cell.is_some_and(|cell| floor.cell_is_drivable(cell)));
+                && (floor.map().is_some()
+                    || to_m - from_m > 2.0 * MARGIN_M && floor.segment_is_free(inner()));
             if !open {
                 closed.push((from_m - MARGIN_M, to_m + MARGIN_M));
             }

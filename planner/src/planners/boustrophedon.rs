@@ -104,6 +104,7 @@ pub(super) fn cover(
         finish(&mut transfers, robot, route)?;
     }
     let mut plan = Plan { routes };
+    residual::drop_idle(instance, &mut plan);
     residual::visit_gaps(&mut transfers, &mut plan);
     Ok(plan)
 }
@@ -144,19 +145,11 @@ fn go(transfers: &mut Transfers<'_, '_>, points: &mut Vec<Point>, to: Point) -> 
     Ok(())
 }
 
-/// Back to the start where that is asked for; a robot that does nothing has no route. One that only stands in a cell to visit
-/// sweeps it.
+/// Back to the start where that is asked for.
 fn finish(transfers: &mut Transfers<'_, '_>, robot: usize, route: &mut Route) -> Result<(), PlanError> {
     let instance = transfers.space().instance();
     route.points.dedup_by(|a, b| (*a - *b).norm() < 1e-9);
-    if route.points.len() < 2 {
-        let start = instance.floor.lattice().index(instance.starts[robot].cell);
-        if start.is_none_or(|cell| !instance.visit[cell]) {
-            route.points.clear();
-        }
-        return Ok(());
-    }
-    if instance.mode == Mode::CoverAndReturn {
+    if route.points.len() > 1 && instance.mode == Mode::CoverAndReturn {
         go(transfers, &mut route.points, instance.place(&instance.starts[robot]))?;
         route.points.dedup_by(|a, b| (*a - *b).norm() < 1e-9);
     }
