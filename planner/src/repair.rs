@@ -178,13 +178,9 @@ impl<'a> Workshop<'a> {
         let finish_s: Vec<f64> = self.finish_times()?;
         let ends: Vec<Cell> = (0..self.sequences.len()).map(|robot| self.end_of(robot)).collect();
         let legs: Vec<Vec<u32>> = ends.iter().map(|&end| moves_from(self.instance, end)).collect();
-        let total_s: f64 = pieces.iter().map(|piece| 1.5 * self.move_s * piece.len() as f64).sum();
-        let latest_s = finish_s.iter().copied().fold(0.0, f64::max);
-        let far_s = legs.iter().flatten().filter(|&&moves| moves != u32::MAX).max().copied().unwrap_or(0);
-        let mut high_s =
-            latest_s + total_s * 2.0 + 2.0 * f64::from(far_s) * self.move_s * (pieces.len() + 1) as f64;
-        let mut low_s = finish_s.iter().copied().fold(f64::INFINITY, f64::min);
         let dealer = Dealer { workshop: self, pieces, finish_s: &finish_s, ends: &ends, legs: &legs };
+        let mut high_s = dealer.enough_s();
+        let mut low_s = finish_s.iter().copied().fold(f64::INFINITY, f64::min);
         let mut best = dealer.deal(high_s).ok_or(PlanError::Unreachable(pieces[0][0]))?;
         for _ in 0..BISECTIONS {
             let middle_s = f64::midpoint(low_s, high_s);
@@ -250,6 +246,18 @@ struct Dealer<'a> {
 }
 
 impl Dealer<'_> {
+    /// A bound with which any one robot could take all the pieces it can get to.
+    fn enough_s(&self) -> f64 {
+        let latest_s = self.finish_s.iter().copied().fold(0.0, f64::max);
+        let steps = self.pieces.iter().flat_map(|piece| piece.windows(2));
+        let inside_s: f64 = steps.map(|pair| self.step_s(pair[0], pair[1])).sum();
+        let lattice = self.workshop.instance.floor.lattice();
+        let straight = DETOUR * f64::from(lattice.columns + lattice.rows);
+        let reached = self.legs.iter().flatten().filter(|&&moves| moves != u32::MAX);
+        let longest = reached.fold(straight, |longest, &moves| longest.max(f64::from(moves)));
+        latest_s + inside_s + (self.pieces.len() + 1) as f64 * longest * self.workshop.move_s
+    }
+
     /// What each robot drives in addition; `None` when the bound is too small.
     fn deal(&self, bound_s: f64) -> Option<Vec<Vec<Cell>>> {
         let mut left: Vec<VecDeque<Cell>> =
