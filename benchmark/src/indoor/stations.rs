@@ -183,7 +183,8 @@ fn for_each_capacity(
         let (plan, cpu_s) = match capacity_s {
             None => (Ok(made.plan.clone()), made.cpu_s),
             Some(capacity_s) => {
-                let instance = with_charger(floor_plan, station, capacity_s);
+                let share = made.plan.figures().coverage_ratio.min(COVERAGE) - 1e-6;
+                let instance = with_charger(floor_plan, station, capacity_s, share);
                 crate::cpu::timed(|| recharge(&instance, &made.plan))
             }
         };
@@ -197,9 +198,9 @@ fn for_each_capacity(
     Ok(())
 }
 
-/// As [`FloorPlan::plan`] has it, with a battery and a charger where the robot starts.
-fn with_charger(floor_plan: &FloorPlan, station: usize, capacity_s: f64) -> Instance<'_> {
-    let mut instance = floor_plan.instance(station, COVERAGE);
+/// As [`FloorPlan::plan`] has it, with a battery and a charger where the robot starts; `share` is what the plan sweeps at least.
+fn with_charger(floor_plan: &FloorPlan, station: usize, capacity_s: f64, share: f64) -> Instance<'_> {
+    let mut instance = floor_plan.instance(station, share);
     let start = &instance.starts[0];
     instance.stations = vec![Station { point: start.point, ..Station::at(start.cell) }];
     instance.battery = Some(Battery::lasting_s(capacity_s));
