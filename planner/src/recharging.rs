@@ -67,7 +67,7 @@ mod tests {
         instance.visit[39 * 4] = true;
         instance.stations = vec![Station::at(Cell::new(0, 4))];
         let wave = |number: u32| {
-            let aside_m = if number % 2 == 0 { 0.06 } else { -0.06 };
+            let aside_m = if number.is_multiple_of(2) { 0.06 } else { -0.06 };
             Point::new(0.25 + 0.4 * f64::from(number), 2.25 + aside_m)
         };
         let place = instance.center(Cell::new(0, 4));
