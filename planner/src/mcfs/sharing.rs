@@ -94,22 +94,21 @@ impl Sharing<'_> {
         let ruler = Ruler::new(self, line, robots);
         let drives_m: f64 = (0..robots.len()).map(|slot| 2.0 * ruler.whole_m(slot)).sum();
         let fair_m = (ruler.length_m() + drives_m) / robots.len() as f64;
+        let rest_m = fair_m * (robots.len() - 1) as f64;
         self.best_chord(
             line,
             &ruler,
             |_, _| true,
             |cutting| {
-                let rest_m = fair_m * (robots.len() - 1) as f64;
+                let drives_m = |slot: usize| cutting.outer_cost_m(slot) - cutting.outer_m;
+                let all_drives_m: f64 = (0..robots.len()).map(drives_m).sum();
                 let mut best: Option<(f64, usize, usize)> = None;
-                for slot in 0..robots.len() {
+                for (slot, &robot) in robots.iter().enumerate() {
                     let there_m = cutting.inner_cost_m(slot);
-                    let others = (0..robots.len()).filter(|&other| other != slot);
-                    let drives_m: f64 =
-                        others.map(|other| cutting.outer_cost_m(other) - cutting.outer_m).sum();
-                    let rest_need_m = cutting.outer_m + drives_m;
+                    let rest_need_m = cutting.outer_m + all_drives_m - drives_m(slot);
                     let worst = (there_m / fair_m).max(rest_need_m / rest_m) * fair_m;
                     if best.is_none_or(|(least, ..)| worst < least) {
-                        best = Some((worst, robots[slot], usize::MAX));
+                        best = Some((worst, robot, usize::MAX));
                     }
                 }
                 best

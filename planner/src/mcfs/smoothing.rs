@@ -50,15 +50,15 @@ impl Smoothing<'_> {
         }
     }
 
-    /// Tries every point that is not quiet: those at which there is nothing to try are, until something near changes.
+    /// Tries every point that is not quiet: those at which nothing pays are, until the line changes near them.
     fn sweep(&mut self, line: &mut Vec<Point>, quiet: &mut Vec<bool>) -> bool {
         let mut changed = false;
         let mut at = 0;
         while at + 2 < line.len() {
             if !quiet[at] {
-                let best = self.best_shortcut(line, at);
+                let best = self.shortcuts(line, at).into_iter().find(|shortcut| self.try_out(line, shortcut));
                 quiet[at] = best.is_none();
-                if let Some(best) = best.filter(|best| self.try_out(line, best)) {
+                if let Some(best) = best {
                     quiet.splice(best.from + 1..best.to, best.corner.map(|_| false));
                     let last = (at + STRETCHES[0] + 1).min(quiet.len() - 1);
                     quiet[at.saturating_sub(LONGEST)..=last].fill(false);
@@ -70,10 +70,10 @@ impl Smoothing<'_> {
         changed
     }
 
-    /// What saves most way and turning when it stands in for the points after one: nothing, or one corner.
-    fn best_shortcut(&self, line: &[Point], from: usize) -> Option<Shortcut> {
+    /// What may stand in for the points after one, nothing or one corner: the most way and turning saved first.
+    fn shortcuts(&self, line: &[Point], from: usize) -> Vec<Shortcut> {
         let turn_m = self.turn_worth * self.width_m;
-        let mut best: Option<Shortcut> = None;
+        let mut shortcuts = Vec::new();
         // Way and turning of the points so far, up to and with the turn at the last of them.
         let mut old_m = turn_at(line, from) * turn_m;
         let mut tried = STRETCHES.iter().peekable();
@@ -84,19 +84,34 @@ impl Smoothing<'_> {
                 continue;
             }
             tried.next();
+            if old_m - self.least_cost_m(line, from, to) <= LEAST_GAIN * self.width_m {
+                continue;
+            }
             let straight = Shortcut { from, to, corner: None, way_gain_m: 0.0, promise_m: 0.0 };
             let bend = corner(line, from, to, 4.0 * self.width_m)
                 .map(|corner| Shortcut { corner: Some(corner), ..straight });
             for shortcut in std::iter::once(straight).chain(bend) {
                 let way_gain_m = old_m - Self::new_cost_m(line, &shortcut, turn_m);
                 let promise_m = way_gain_m - self.likely_loss_m(line, &shortcut);
-                let least_m = best.map_or(LEAST_GAIN * self.width_m, |best| best.promise_m);
-                if promise_m > least_m {
-                    best = Some(Shortcut { way_gain_m, promise_m, ..shortcut });
+                if promise_m > LEAST_GAIN * self.width_m {
+                    shortcuts.push(Shortcut { way_gain_m, promise_m, ..shortcut });
                 }
             }
         }
-        best
+        shortcuts.sort_by(|a, b| b.promise_m.total_cmp(&a.promise_m));
+        shortcuts
+    }
+
+    /// No way from one point to another costs less: it is no shorter than the straight one, and turns as much in all.
+    fn least_cost_m(&self, line: &[Point], from: usize, to: usize) -> f64 {
+        let way_m = (line[to] - line[from]).norm();
+        match (from.checked_sub(1), line.get(to + 1)) {
+            (Some(before), Some(&after)) => {
+                let turn = turn_rad(line[from] - line[before], after - line[to]);
+                way_m + self.turn_worth * self.width_m * turn
+            }
+            _ => way_m,
+        }
     }
 
     /// A cautious guess at the ground that a shortcut loses, in metres of way: part of the area it cuts off.

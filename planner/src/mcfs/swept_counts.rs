@@ -1,7 +1,7 @@
 //! How often each small square of the ground is swept: lines can be put in and taken out again.
 
 use geo::{BoundingRect, Coord, LinesIter, Polygon};
-use terrain::{Point, Segment};
+use terrain::{Point, Segment, Vector};
 
 /// Squares across the tool.
 const SQUARES: f64 = 8.0;
@@ -12,6 +12,7 @@ const SQUARES_MAX: f64 = 16e6;
 pub(super) struct SweptCounts {
     low: Point,
     square_m: f64,
+    squares_per_m: f64,
     columns: usize,
     rows: usize,
     radius_m: f64,
@@ -31,6 +32,7 @@ impl SweptCounts {
         let mut counts = Self {
             low,
             square_m,
+            squares_per_m: 1.0 / square_m,
             columns,
             rows,
             radius_m: width_m / 2.0,
@@ -72,12 +74,12 @@ impl SweptCounts {
 
     /// The first row whose middle is not below `y`.
     fn row_above(&self, y: f64) -> usize {
-        ((y - self.low.y) / self.square_m - 0.5).ceil().max(0.0) as usize
+        ceil((y - self.low.y) * self.squares_per_m - 0.5)
     }
 
     /// The first column whose middle is not left of `x`.
     fn column_right_of(&self, x: f64) -> usize {
-        (((x - self.low.x) / self.square_m - 0.5).ceil().max(0.0) as usize).min(self.columns)
+        ceil((x - self.low.x) * self.squares_per_m - 0.5).min(self.columns)
     }
 
     /// Share of the ground that is swept.
@@ -131,7 +133,7 @@ impl SweptCounts {
 
     fn middle(&self, square: usize) -> Point {
         let (column, row) = ((square % self.columns) as f64, (square / self.columns) as f64);
-        self.low + terrain::Vector::new(column + 0.5, row + 0.5) * self.square_m
+        self.low + Vector::new(column + 0.5, row + 0.5) * self.square_m
     }
 
     pub(super) fn put_in(&mut self, from: Point, to: Point) {
@@ -158,11 +160,12 @@ impl SweptCounts {
 
     /// The squares under the disc along a segment, row by row.
     fn each_span(&mut self, segment: Segment, mut each: impl FnMut(&mut [u16])) {
-        let (low_y, high_y) = (segment.from.y.min(segment.to.y), segment.from.y.max(segment.to.y));
-        let (first, end) = (self.row_above(low_y - self.radius_m), self.row_above(high_y + self.radius_m));
-        for row in first..end.min(self.rows) {
+        let capsule = Capsule::new(segment, self.radius_m);
+        let (low_y, high_y) = (capsule.low.y - self.radius_m, capsule.high.y + self.radius_m);
+        let (first, end) = (self.row_above(low_y), self.row_above(high_y).min(self.rows));
+        for row in first..end {
             let y = self.low.y + (row as f64 + 0.5) * self.square_m;
-            let Some((left, right)) = span_at(segment, self.radius_m, y) else { continue };
+            let (left, right) = capsule.span_at(y);
             let (from, to) = (self.column_right_of(left), self.column_right_of(right));
             let start = row * self.columns;
             each(&mut self.counts[start + from..start + to.max(from)]);
@@ -170,39 +173,70 @@ impl SweptCounts {
     }
 }
 
-/// Where the line at height `y` enters and leaves a capsule: it is convex, so there is one stretch.
-fn span_at(segment: Segment, radius_m: f64, y: f64) -> Option<(f64, f64)> {
-    let mut span: Option<(f64, f64)> = None;
-    let mut widen = |left: f64, right: f64| {
-        if left <= right {
-            span = Some(span.map_or((left, right), |(low, high)| (low.min(left), high.max(right))));
-        }
-    };
-    for end in [segment.from, segment.to] {
-        let half2 = radius_m * radius_m - (y - end.y) * (y - end.y);
-        if half2 >= 0.0 {
-            widen(end.x - half2.sqrt(), end.x + half2.sqrt());
-        }
-    }
-    let along = segment.to - segment.from;
-    let length_m = along.norm();
-    if length_m > 1e-12 {
-        let unit = along / length_m;
-        // Within the band: 0 ≤ x·ux + c ≤ length, and −r ≤ x·uy − d ≤ r.
-        let offset = y - segment.from.y;
-        let (a, b) = between(unit.x, offset * unit.y, 0.0, length_m);
-        let (c, d) = between(-unit.y, offset * unit.x, -radius_m, radius_m);
-        widen(segment.from.x + a.max(c), segment.from.x + b.min(d));
-    }
-    span
+/// What a disc sweeps along a segment: half discs around its ends, and straight sides between them.
+struct Capsule {
+    /// The lower end; of a level segment the left one.
+    low: Point,
+    high: Point,
+    /// From the middle line to the left side.
+    to_left: Vector,
+    /// How far a side goes to the right for each metre up.
+    slope: f64,
+    radius_m: f64,
 }
 
-/// The x with `least` ≤ factor·x + constant ≤ `most`.
-fn between(factor: f64, constant: f64, least: f64, most: f64) -> (f64, f64) {
-    if factor.abs() < 1e-12 {
-        let holds = constant >= least && constant <= most;
-        return if holds { (f64::NEG_INFINITY, f64::INFINITY) } else { (1.0, -1.0) };
+impl Capsule {
+    fn new(segment: Segment, radius_m: f64) -> Self {
+        let Segment { from, to } = segment;
+        let (low, high) = if (from.y, from.x) <= (to.y, to.x) { (from, to) } else { (to, from) };
+        let along = high - low;
+        let unit = along.try_normalize(1e-12).unwrap_or_else(Vector::x);
+        let slope = if along.y > 0.0 { along.x / along.y } else { 0.0 };
+        Self { low, high, to_left: Vector::new(-unit.y, unit.x) * radius_m, slope, radius_m }
     }
-    let (one, other) = ((least - constant) / factor, (most - constant) / factor);
-    (one.min(other), one.max(other))
+
+    /// Where the line at a height between `low.y` − radius and `high.y` + radius enters and leaves.
+    fn span_at(&self, y: f64) -> (f64, f64) {
+        let half_m = |end: Point| (self.radius_m * self.radius_m - (y - end.y) * (y - end.y)).max(0.0).sqrt();
+        let side = |to_side: Vector, sign: f64| {
+            if y < self.low.y + to_side.y {
+                self.low.x + sign * half_m(self.low)
+            } else if y > self.high.y + to_side.y {
+                self.high.x + sign * half_m(self.high)
+            } else {
+                self.low.x + to_side.x + (y - self.low.y - to_side.y) * self.slope
+            }
+        };
+        (side(self.to_left, -1.0), side(-self.to_left, 1.0))
+    }
+}
+
+/// The least whole number that is no less; 0 for what is below.
+fn ceil(value: f64) -> usize {
+    let whole = value.max(0.0) as usize;
+    whole + usize::from(value > whole as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// The span of a capsule against the distance to its segment.
+        #[test]
+        fn a_span_holds_what_is_near_its_segment(
+            ends in prop::array::uniform4(-2_i32..3), down in 0_u32..21, across in -60_i32..61,
+        ) {
+            let ends = ends.map(f64::from);
+            let segment = Segment::new(Point::new(ends[0], ends[1]), Point::new(ends[2], ends[3]));
+            let (low_y, high_y) = (ends[1].min(ends[3]) - 1.0, ends[1].max(ends[3]) + 1.0);
+            let y = low_y + (high_y - low_y) * f64::from(down) / 20.0;
+            let (left, right) = Capsule::new(segment, 1.0).span_at(y);
+            let x = 0.05 * f64::from(across) + 1e-3;
+            let distance = segment.distance_to_point(Point::new(x, y));
+            prop_assume!((distance - 1.0).abs() > 1e-6);
+            prop_assert_eq!(distance < 1.0, left < x && x < right, "{} {} {}", left, x, right);
+        }
+    }
 }
