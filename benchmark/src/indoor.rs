@@ -41,7 +41,7 @@ const COLUMNS: [&str; 10] = [
     "÷ reference",
     "CPU s",
 ];
-/// The row that bounds what can be covered.
+/// The row with nearly all that can be covered: a body may stand between the centres of pixels, too.
 const MOST_ROW: &str = "(from all pixels that a body gets to without touching)";
 
 /// The most that is asked for.
@@ -72,8 +72,8 @@ pub(crate) fn run(options: &Options, progress: Progress<'_>) -> Result<Vec<Table
          + all turning at 1 rad/s. Judged by one evaluator that knows no planner; rows of other programs and of the \
          reference were judged by the same rules before (`reference.csv`). Ours twice: at the coverage of the reference, and \
          with what is left toured as well. The evaluator takes distances between the centres of pixels, and takes ground for \
-         coverable that our body, kept off the squares of the pixels, cannot sweep: the first row of ours says how much \
-         is left.",
+         coverable that our body, kept off the squares of the pixels, cannot sweep: the row in brackets says what is \
+         swept from the centres of all pixels that the body gets to.",
         &COLUMNS,
     );
     let maps = if options.quick { &MAPS[..1] } else { &MAPS[..] };

@@ -325,3 +325,25 @@ impl Dealer<'_> {
         1.5 * f64::from(from.manhattan(to)) * self.workshop.move_s
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::repair;
+    use crate::{Instance, Mode, Start, test_motion::MOTION};
+    use terrain::{Cell, Floor, Lattice, Point};
+
+    /// A piece that goes to and fro between two columns: long for its cells, and for how far they are.
+    #[test]
+    fn one_robot_takes_a_piece_that_jumps_at_each_step() {
+        let lattice = Lattice { origin: Point::origin(), cell_m: 0.5, columns: 6, rows: 8 };
+        let floor = Floor::from_cells(lattice, &[true; 48], 0.177, 0.75);
+        let mut instance =
+            Instance::whole_floor(&floor, vec![Start::at(Cell::new(0, 0))], MOTION, Mode::Cover);
+        let piece: Vec<Cell> = (0..16).map(|number| Cell::new(number % 2 * 5, number / 2)).collect();
+        instance.visit = lattice.cells().map(|cell| piece.contains(&cell)).collect();
+        instance.incumbent = vec![Vec::new()];
+        instance.orphans = vec![piece];
+        let repaired = repair(&instance);
+        assert!(matches!(repaired, Ok(Some(_))), "{repaired:?}");
+    }
+}

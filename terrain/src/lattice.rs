@@ -94,7 +94,7 @@ impl Lattice {
         cells
     }
 
-    /// The side of a cell towards a neighbour.
+    /// The side of a cell towards a neighbour, in the frame of the map, metres; the cell may lie outside the lattice.
     pub fn side(&self, cell: Cell, towards: Direction) -> Segment {
         let (dx, dy) = towards.offset();
         let half_m = self.cell_m / 2.0;

@@ -2,7 +2,7 @@
 //!
 //! A square of the map closes those places of a line that are nearer to it than the body's radius: a square with round
 //! corners, which is convex, so the closed part is one interval. Cells that are blocked (or not drivable, where there is
-//! no map) close the part of the line that lies in them.
+//! no map) close the part of the line that lies in them, and without a map so do their sides by which they cannot be left.
 
 use super::{ConfigurationSpace, TANGENT_M};
 use terrain::{Cell, Direction, GridMap, Point, Segment, Vector};
@@ -40,6 +40,7 @@ impl ConfigurationSpace<'_> {
             }
             from_m = f64::max(from_m, end_m);
         }
+        // A margin along the line is none across it where the line all but runs along a side.
         if self.instance.floor.map().is_none() && length_m > 0.0 {
             let at = |way_m: f64| segment.from + (segment.to - segment.from) * (way_m / length_m);
             open.retain(|part| self.instance.floor.segment_is_free(Segment::new(at(part.0), at(part.1))));

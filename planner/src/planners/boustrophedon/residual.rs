@@ -57,6 +57,9 @@ pub(in crate::planners) fn visit_gaps(transfers: &mut Transfers<'_, '_>, plan: &
 /// Takes the routes away of robots that stay where they are, unless what they sweep there is asked for. Routes of one point have
 /// not been counted on so far: where nobody else sweeps it, a side trip to where a robot stands anyway is no trip.
 pub(in crate::planners) fn drop_idle(instance: &Instance<'_>, plan: &mut Plan) {
+    if plan.routes.iter().all(|route| route.points.len() != 1) {
+        return;
+    }
     let mut without = plan.clone();
     let idle = without.routes.iter_mut().filter(|route| route.points.len() < 2);
     idle.for_each(|route| *route = Route::default());
