@@ -28,22 +28,6 @@ const WHOLE: f64 = 0.997;
 /// So many plans are tried; the fastest of those that sweep enough counts (else the one that sweeps the most), and the CPU it
 /// took alone.
 const TRIES: u32 = 4;
-/// The columns of the first table.
-const COLUMNS: [&str; 10] = [
-    "map",
-    "planner",
-    "length m",
-    "÷ bound",
-    "turns",
-    "coverage",
-    "overlap",
-    "time s",
-    "÷ reference",
-    "CPU s",
-];
-/// The row with nearly all that can be covered: a body may stand between the centres of pixels, too.
-const MOST_ROW: &str = "(from all pixels that a body gets to without touching)";
-
 /// The most that is asked for.
 const MOST: f64 = 0.9995;
 
@@ -71,10 +55,19 @@ pub(crate) fn run(options: &Options, progress: Progress<'_>) -> Result<Vec<Table
         "Length ÷ bound: bound = coverable area ÷ tool width. Coverage: of what a round tool can touch. Time: length ÷ speed \
          + all turning at 1 rad/s. Judged by one evaluator that knows no planner; rows of other programs and of the \
          reference were judged by the same rules before (`reference.csv`). Ours twice: at the coverage of the reference, and \
-         with what is left toured as well. The evaluator takes distances between the centres of pixels, and takes ground for \
-         coverable that our body, kept off the squares of the pixels, cannot sweep: the row in brackets says what is \
-         swept from the centres of all pixels that the body gets to.",
-        &COLUMNS,
+         with what is left toured as well.",
+        &[
+            "map",
+            "planner",
+            "length m",
+            "÷ bound",
+            "turns",
+            "coverage",
+            "overlap",
+            "time s",
+            "÷ reference",
+            "CPU s",
+        ],
     );
     let maps = if options.quick { &MAPS[..1] } else { &MAPS[..] };
     for &map in maps {
@@ -88,7 +81,6 @@ pub(crate) fn run(options: &Options, progress: Progress<'_>) -> Result<Vec<Table
             let end = [row.time_s.clone(), String::new(), row.user_cpu_s.clone()];
             table.push([&head[..], &tail, &end].concat());
         }
-        table.push(most_row(map, &floor_plan));
         let target_s = target.and_then(|row| row.time_s.parse().ok());
         let at_reference = target.and_then(|row| percent(&row.coverage_of_coverable)).unwrap_or(0.98);
         // Where there is no reference there is no second target to reach for.
@@ -109,14 +101,6 @@ pub(crate) fn run(options: &Options, progress: Progress<'_>) -> Result<Vec<Table
     let mut tables = vec![table];
     tables.extend(stations::run(options, &folder, progress)?);
     Ok(tables)
-}
-
-/// What is swept from all places together where a body gets that touches nothing.
-fn most_row(map: &str, floor_plan: &FloorPlan) -> Vec<String> {
-    let share = floor_plan.evaluator().coverage_from(floor_plan.places_from(0).into_iter());
-    let mut row = vec![String::new(); COLUMNS.len()];
-    (row[0], row[1], row[5]) = (map.to_owned(), MOST_ROW.to_owned(), format!("{:.2} %", 100.0 * share));
-    row
 }
 
 fn measure(

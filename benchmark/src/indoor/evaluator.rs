@@ -97,17 +97,7 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    /// Share of the coverable area that is swept from some places alone.
-    pub(crate) fn coverage_from(&self, places: impl Iterator<Item = Point>) -> f64 {
-        self.coverage_of(places.map(|place| Segment::new(place, place)))
-    }
-
     fn coverage(&self, points: &[Point]) -> f64 {
-        let pieces = points.windows(2).map(|pair| Segment::new(pair[0], pair[1]));
-        self.coverage_of(pieces.flat_map(|piece| short_parts(piece, 4.0 * self.robot.tool_width_m)))
-    }
-
-    fn coverage_of(&self, pieces: impl Iterator<Item = Segment>) -> f64 {
         // Eight samples across four pixels.
         let lattice = Lattice {
             origin: self.map.origin(),
@@ -116,7 +106,11 @@ impl<'a> Evaluator<'a> {
             rows: self.map.rows().div_ceil(4),
         };
         let mut raster = SweptRaster::new(lattice);
-        pieces.for_each(|piece| raster.sweep(piece, self.robot.tool_width_m / 2.0 + 1e-9, |_| {}));
+        for pair in points.windows(2) {
+            for part in short_parts(Segment::new(pair[0], pair[1]), 4.0 * self.robot.tool_width_m) {
+                raster.sweep(part, self.robot.tool_width_m / 2.0 + 1e-9, |_| {});
+            }
+        }
         let (mut wanted, mut swept) = (0_u64, 0_u64);
         for index in 0..lattice.len() {
             let samples = self.coverable_samples(lattice.cell(index));

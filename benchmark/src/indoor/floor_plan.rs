@@ -79,14 +79,6 @@ impl FloorPlan {
         Evaluator::new(&self.map, self.robot)
     }
 
-    /// The centres of all pixels on which a body that touches nothing gets from a station.
-    pub(crate) fn places_from(&self, station: usize) -> Vec<Point> {
-        let lattice = self.floor.lattice();
-        let reachable = self.instance(station, 1.0).reachable();
-        let reached = lattice.cells().zip(reachable).filter(|(_, reached)| *reached);
-        reached.map(|(cell, _)| lattice.center(cell)).collect()
-    }
-
     /// Turns and runs that start and stop at once, as the evaluator counts.
     pub(crate) fn motion(&self) -> MotionModel {
         MotionModel {

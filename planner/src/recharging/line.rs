@@ -46,7 +46,7 @@ impl<'a> Line<'a> {
     }
 
     /// The route with its charges. What the places tell is exact but for bends that are driven through, which may take a
-    /// little longer than a stop to turn: then breaks are chosen again with so much to spare.
+    /// little longer than a stop to turn: then breaks are chosen again with more to spare.
     pub(super) fn charged(&self, battery: &Battery) -> Result<Route, PlanError> {
         let mut spare_s = 0.0;
         let mut route = Route::default();
@@ -58,7 +58,8 @@ impl<'a> Line<'a> {
             if over_s <= 1e-7 {
                 break;
             }
-            spare_s += over_s;
+            // Other breaks leave other bends to a stretch: what is to spare has to outgrow all of them.
+            spare_s = 2.0 * spare_s + over_s;
         }
         Ok(route)
     }
