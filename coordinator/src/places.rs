@@ -11,7 +11,7 @@
 
 use crate::{Coordinator, ledger::RobotIndex, route::Waypoint};
 use std::collections::BTreeMap;
-use terrain::{Cell, Point, Segment, samples_swept_along};
+use terrain::{Cell, Point, Segment, for_each_swept};
 
 /// Points are left out that lie as near as this to the line without them, metres.
 const THINNING_M: f64 = 0.001;
@@ -55,19 +55,15 @@ impl Coordinator {
     }
 
     fn sweeps_something_missing(&self, edge: Segment) -> bool {
-        self.cells_swept(edge).any(|(index, samples)| samples & self.ledger.missing(index) != 0)
+        self.cells_swept(edge).into_iter().any(|(index, samples)| samples & self.ledger.missing(index) != 0)
     }
 
     /// What the tool sweeps along an edge, as far as it counts: numbers of cells, and samples.
-    pub(crate) fn cells_swept(&self, edge: Segment) -> impl Iterator<Item = (usize, u64)> + '_ {
-        let lattice = *self.floor.lattice();
+    pub(crate) fn cells_swept(&self, edge: Segment) -> Vec<(usize, u64)> {
+        let mut swept = Vec::new();
         let radius_m = self.floor.tool_width_m() / 2.0;
-        let low = Point::from(edge.from.coords.inf(&edge.to.coords).add_scalar(-radius_m));
-        let high = Point::from(edge.from.coords.sup(&edge.to.coords).add_scalar(radius_m));
-        lattice.cells_in_box(low, high).filter_map(move |cell| {
-            let samples = samples_swept_along(&lattice, cell, edge, radius_m);
-            lattice.index(cell).filter(|_| samples != 0).map(|index| (index, samples))
-        })
+        for_each_swept(self.floor.lattice(), edge, radius_m, |index, samples| swept.push((index, samples)));
+        swept
     }
 
     /// What a line of edges sweeps with the tool on.

@@ -199,16 +199,17 @@ pub(crate) fn for_each_within(
     mut act: impl FnMut(usize, usize),
 ) {
     let step_m = places.cell_m;
-    let (from, to) = (segment.from - places.origin, segment.to - places.origin);
-    let row = |y_m: f64| y_m / step_m - 0.5;
+    let Segment { from, to } = segment;
+    let row = |y_m: f64| (y_m - places.origin.y) / step_m - 0.5;
+    let column = |x_m: f64| (x_m - places.origin.x) / step_m - 0.5;
     let first = row(from.y.min(to.y) - radius_m).ceil().max(0.0);
     let last = row(from.y.max(to.y) + radius_m).floor().min(f64::from(places.rows) - 1.0);
     let mut number = first;
     while number <= last {
-        let y_m = (number + 0.5) * step_m;
-        if let Some((low_m, high_m)) = across(from, to, radius_m, y_m) {
-            let begin = (low_m / step_m - 0.5 - 1e-9).ceil().max(0.0);
-            let end = (high_m / step_m - 0.5 + 1e-9).floor().min(f64::from(places.columns) - 1.0);
+        let y_m = places.origin.y + (number + 0.5) * step_m;
+        if let Some((low_m, high_m)) = segment.within_at(radius_m, y_m) {
+            let begin = (column(low_m) - 1e-9).ceil().max(0.0);
+            let end = (column(high_m) + 1e-9).floor().min(f64::from(places.columns) - 1.0);
             if begin <= end {
                 let start = number as usize * places.columns as usize;
                 act(start + begin as usize, start + end as usize + 1);
@@ -216,40 +217,6 @@ pub(crate) fn for_each_within(
         }
         number += 1.0;
     }
-}
-
-/// The part of the line at height `y` that is within a distance of a segment: an interval, since all that is within is convex.
-fn across(from: terrain::Vector, to: terrain::Vector, radius_m: f64, y_m: f64) -> Option<(f64, f64)> {
-    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-    let mut join = |a: f64, b: f64| {
-        low = low.min(a);
-        high = high.max(b);
-    };
-    for end in [from, to] {
-        let half2 = radius_m * radius_m - (y_m - end.y).powi(2);
-        if half2 >= 0.0 {
-            join(end.x - half2.sqrt(), end.x + half2.sqrt());
-        }
-    }
-    // The corners of the band between the two discs; its edges cross the line between them.
-    let way = to - from;
-    let length_m = way.norm();
-    if length_m > 1e-12 {
-        let aside = terrain::Vector::new(-way.y, way.x) * (radius_m / length_m);
-        let corners = [from + aside, to + aside, to - aside, from - aside];
-        for number in 0..4 {
-            let (a, b) = (corners[number], corners[(number + 1) % 4]);
-            if (a.y - y_m) * (b.y - y_m) <= 0.0 {
-                if (a.y - b.y).abs() < 1e-12 {
-                    join(a.x.min(b.x), a.x.max(b.x));
-                } else {
-                    let x = a.x + (b.x - a.x) * ((y_m - a.y) / (b.y - a.y));
-                    join(x, x);
-                }
-            }
-        }
-    }
-    (low <= high).then_some((low, high))
 }
 
 #[cfg(test)]

@@ -20,7 +20,7 @@
 //! Lewis, "An analysis of several heuristics for the traveling salesman problem", 1977.
 
 use crate::{Instance, Mode, Plan, Route, configuration_space::ConfigurationSpace, transfers::Transfers};
-use terrain::{Cell, CellClass, Point, Segment, SweptRaster, samples_swept_along};
+use terrain::{Cell, CellClass, Point, Segment, SweptRaster, for_each_swept};
 
 /// Positions looked at closely for each piece.
 const CANDIDATES: usize = 3;
@@ -182,17 +182,11 @@ impl<'s, 'a> Workshop<'s, 'a> {
 
     /// Samples along a segment that are passed over, and those of them that are wanted and not swept.
     fn gain(&self, edge: Segment) -> (u32, u32) {
-        let lattice = *self.instance.floor.lattice();
-        let radius_m = self.radius_m();
-        let low = Point::from(edge.from.coords.inf(&edge.to.coords).add_scalar(-radius_m));
-        let high = Point::from(edge.from.coords.sup(&edge.to.coords).add_scalar(radius_m));
         let (mut passed, mut gained) = (0, 0);
-        for cell in lattice.cells_in_box(low, high) {
-            let Some(index) = lattice.index(cell) else { continue };
-            let swept = samples_swept_along(&lattice, cell, edge, radius_m);
+        for_each_swept(self.instance.floor.lattice(), edge, self.radius_m(), |index, swept| {
             passed += swept.count_ones();
             gained += (swept & self.wanted[index] & !self.raster.samples(index)).count_ones();
-        }
+        });
         (passed, gained)
     }
 

@@ -4,10 +4,13 @@
 //! is counting bits: one sample stands for 1/64 of a cell.
 
 use crate::{Cell, Lattice, Point, Segment};
+use std::ops::RangeInclusive;
 
 /// Samples in a cell: 8 × 8, one bit of a `u64` each, row by row from the lower left.
 pub const SAMPLES_PER_CELL: u32 = 64;
 const SIDE: u32 = 8;
+/// Ends of runs of samples are looked for so much farther away than the radius, metres.
+const ROUNDING_M: f64 = 1e-7;
 
 /// The swept samples of every cell of a lattice.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,23 +38,12 @@ impl SweptRaster {
     /// Sweeps a disc of `radius_m` along a segment and calls `changed(index)` for each cell that gained samples.
     /// A radius of 0 or less sweeps nothing.
     pub fn sweep(&mut self, segment: Segment, radius_m: f64, mut changed: impl FnMut(usize)) {
-        if radius_m.is_nan() || radius_m <= 0.0 {
-            return;
-        }
-        let lattice = self.lattice;
-        let low = Point::from(segment.from.coords.inf(&segment.to.coords).add_scalar(-radius_m));
-        let high = Point::from(segment.from.coords.sup(&segment.to.coords).add_scalar(radius_m));
-        for cell in lattice.cells_in_box(low, high) {
-            let Some(index) = lattice.index(cell) else { continue };
-            if self.swept[index] == u64::MAX {
-                continue;
-            }
-            let gained = samples_within(&lattice, cell, segment, radius_m) & !self.swept[index];
-            if gained != 0 {
-                self.swept[index] |= gained;
+        for_each_swept(&self.lattice, segment, radius_m, |index, samples| {
+            if samples & !self.swept[index] != 0 {
+                self.swept[index] |= samples;
                 changed(index);
             }
-        }
+        });
     }
 
     /// Marks samples of a cell as swept.
@@ -75,9 +67,76 @@ pub fn samples_swept_from(lattice: &Lattice, cell: Cell, center: Point, radius_m
     samples_within(lattice, cell, Segment::new(center, center), radius_m)
 }
 
-/// The samples of a cell that a disc of `radius_m` metres sweeps along a segment.
-pub fn samples_swept_along(lattice: &Lattice, cell: Cell, segment: Segment, radius_m: f64) -> u64 {
-    samples_within(lattice, cell, segment, radius_m)
+/// Calls `act(index, samples)` for each cell of which a disc of `radius_m` metres sweeps samples along a segment, row by row;
+/// `index` is the cell's row-major number. A radius of 0 or less sweeps nothing.
+pub fn for_each_swept(lattice: &Lattice, segment: Segment, radius_m: f64, mut act: impl FnMut(usize, u64)) {
+    if radius_m.is_nan() || radius_m <= 0.0 {
+        return;
+    }
+    let low = Point::from(segment.from.coords.inf(&segment.to.coords).add_scalar(-radius_m));
+    let high = Point::from(segment.from.coords.sup(&segment.to.coords).add_scalar(radius_m));
+    let [columns, rows] = lattice.ranges_in_box(low, high);
+    if columns.is_empty() {
+        return;
+    }
+    for y in rows {
+        let runs: [Option<Run>; SIDE as usize] =
+            std::array::from_fn(|row| Run::within(lattice, segment, radius_m, (y, row as u32), &columns));
+        let Some(first) = runs.iter().flatten().map(|run| run.first).min() else { continue };
+        let last = runs.iter().flatten().map(|run| run.last).max().unwrap_or(first);
+        for x in first / SIDE as i32..=last / SIDE as i32 {
+            let bits =
+                |(row, run): (usize, &Option<Run>)| run.map_or(0, |run| run.bits(x) << (SIDE as usize * row));
+            let samples = runs.iter().enumerate().map(bits).fold(0, |all, bits| all | bits);
+            if let (Some(index), true) = (lattice.index(Cell::new(x, y)), samples != 0) {
+                act(index, samples);
+            }
+        }
+    }
+}
+
+/// Samples on end in a row of them, numbered from the left of the lattice.
+#[derive(Debug, Clone, Copy)]
+struct Run {
+    first: i32,
+    last: i32,
+}
+
+impl Run {
+    /// The samples within `radius_m` of a segment in a row of samples of a row of cells.
+    fn within(
+        lattice: &Lattice,
+        segment: Segment,
+        radius_m: f64,
+        (y, row): (i32, u32),
+        columns: &RangeInclusive<i32>,
+    ) -> Option<Self> {
+        let point = |number: i32| {
+            let (x, column) = (number.div_euclid(SIDE as i32), number.rem_euclid(SIDE as i32));
+            sample_point(lattice, Cell::new(x, y), row * SIDE + column as u32)
+        };
+        let (low_m, high_m) = segment.within_at(radius_m + ROUNDING_M, point(0).y)?;
+        let number = |x_m: f64| (x_m - lattice.origin.x) / lattice.cell_m * f64::from(SIDE) - 0.5;
+        let (least, most) = (columns.start() * SIDE as i32, columns.end() * SIDE as i32 + SIDE as i32 - 1);
+        let mut first = number(low_m).ceil().max(f64::from(least)) as i32;
+        let mut last = number(high_m).floor().min(f64::from(most)) as i32;
+        // The interval is a little too long: what a distance says of its ends holds.
+        let is_beyond = |number: i32| segment.distance_to_point(point(number)) > radius_m;
+        while first <= last && is_beyond(first) {
+            first += 1;
+        }
+        while first <= last && is_beyond(last) {
+            last -= 1;
+        }
+        (first <= last).then_some(Self { first, last })
+    }
+
+    /// Those that lie in the cells of a column.
+    fn bits(self, x: i32) -> u64 {
+        let first = (self.first - x * SIDE as i32).max(0);
+        let last = (self.last - x * SIDE as i32).min(SIDE as i32 - 1);
+        if first > last { 0 } else { (2_u64 << last) - (1_u64 << first) }
+    }
 }
 
 /// The samples of one cell that lie within `radius_m` of a segment.
@@ -112,6 +171,7 @@ pub(crate) fn sample_point(lattice: &Lattice, cell: Cell, bit: u32) -> Point {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     #[test]
     fn swept_area_agrees_with_a_hundred_times_finer_count() {
@@ -131,6 +191,29 @@ mod tests {
         let counted_m2 = inside as f64 * fine_m * fine_m;
         let swept_m2 = SweptRaster::area_m2(&lattice, samples);
         assert!((swept_m2 / counted_m2 - 1.0).abs() < 0.005, "{swept_m2} {counted_m2}");
+    }
+
+    proptest! {
+        #[test]
+        fn the_samples_swept_are_just_those_within_the_radius(
+            ends in prop::array::uniform4(-60..160_i32), radius in 0..60_i32, flat in any::<bool>(), fine in any::<bool>()
+        ) {
+            // On whole steps samples lie just at the rim as often as not.
+            let step_m = if fine { 0.0137 } else { 0.025 };
+            let lattice = Lattice { origin: Point::new(-0.3, 0.2), cell_m: 0.2, columns: 11, rows: 9 };
+            let [from_x, from_y, to_x, to_y] = ends.map(|end| f64::from(end) * step_m);
+            let segment = Segment::new(Point::new(from_x, from_y), Point::new(to_x, if flat { from_y } else { to_y }));
+            let radius_m = f64::from(radius) * step_m;
+            let mut swept = vec![0; lattice.len()];
+            for_each_swept(&lattice, segment, radius_m, |index, samples| swept[index] |= samples);
+            for cell in lattice.cells() {
+                let is_within = |&bit: &u32| {
+                    radius_m > 0.0 && segment.distance_to_point(sample_point(&lattice, cell, bit)) <= radius_m
+                };
+                let within = (0..SAMPLES_PER_CELL).filter(is_within).fold(0, |all, bit| all | 1 << bit);
+                prop_assert_eq!(swept[lattice.index(cell).unwrap()], within, "{}", cell);
+            }
+        }
     }
 
     #[test]

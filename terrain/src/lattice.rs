@@ -1,6 +1,10 @@
 //! The lattice of square cells that is laid over a map: the only place where cells and metres are converted.
 
 use crate::{Cell, Direction, Point, Segment, Vector};
+use std::ops::RangeInclusive;
+
+/// Ends of a segment that differ by less are at the same place along an axis, metres.
+const PARALLEL_M: f64 = 1e-9;
 
 /// Square cells over the map: cell (0, 0) has its lower left corner at `origin`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,8 +78,15 @@ impl Lattice {
     pub fn cells_along(&self, segment: Segment) -> Vec<Cell> {
         let way = segment.to - segment.from;
         let mut shares = vec![0.0, 1.0];
+        // What is parallel to lines but for rounding stays on its side of them, whichever end it begins at.
+        let is_parallel = |axis: usize| way[axis].abs() < PARALLEL_M;
+        let middle = nalgebra::center(&segment.from, &segment.to);
+        let point = |share: f64| {
+            let on_way = segment.from + way * share;
+            Point::from([0, 1].map(|axis| if is_parallel(axis) { middle[axis] } else { on_way[axis] }))
+        };
         for axis in 0..2 {
-            if way[axis] == 0.0 {
+            if is_parallel(axis) {
                 continue;
             }
             let line = |place: f64| (place - self.origin[axis]) / self.cell_m;
@@ -88,7 +99,7 @@ impl Lattice {
         let mut cells: Vec<Cell> = shares
             .windows(2)
             .filter(|pair| way.norm() == 0.0 || (pair[1] - pair[0]) * way.norm() > 1e-9)
-            .filter_map(|pair| self.cell_at(segment.from + way * f64::midpoint(pair[0], pair[1])))
+            .filter_map(|pair| self.cell_at(point(f64::midpoint(pair[0], pair[1]))))
             .collect();
         cells.dedup();
         cells
@@ -105,13 +116,19 @@ impl Lattice {
 
     /// The cells whose squares touch the box between two corners, clipped to the lattice.
     pub fn cells_in_box(&self, low: Point, high: Point) -> impl Iterator<Item = Cell> + use<> {
+        let [columns, rows] = self.ranges_in_box(low, high);
+        rows.flat_map(move |y| columns.clone().map(move |x| Cell::new(x, y)))
+    }
+
+    /// Columns and rows of these cells.
+    pub(crate) fn ranges_in_box(&self, low: Point, high: Point) -> [RangeInclusive<i32>; 2] {
         let column = |x: f64| ((x - self.origin.x) / self.cell_m).floor();
         let row = |y: f64| ((y - self.origin.y) / self.cell_m).floor();
         let x0 = column(low.x).max(0.0) as i32;
         let y0 = row(low.y).max(0.0) as i32;
         let x1 = column(high.x).min(f64::from(self.columns) - 1.0) as i32;
         let y1 = row(high.y).min(f64::from(self.rows) - 1.0) as i32;
-        (y0..=y1).flat_map(move |y| (x0..=x1).map(move |x| Cell::new(x, y)))
+        [x0..=x1, y0..=y1]
     }
 }
 
@@ -123,6 +140,17 @@ mod tests {
         let lattice = Lattice { origin: Point::new(-1.0, 0.0), cell_m: 0.5, columns: 6, rows: 4 };
         let segment = Segment::new(Point::new(from.0, from.1), Point::new(to.0, to.1));
         lattice.cells_along(segment).into_iter().map(|cell| (cell.x, cell.y)).collect()
+    }
+
+    #[test]
+    fn a_segment_on_a_line_but_for_rounding_stays_on_one_side_whichever_way() {
+        for end in [-4.4e-16, -1.1e-16, 0.0, 1.1e-16, 4.4e-16] {
+            let up = along((0.0, 0.2), (end, 1.9));
+            let mut down = along((end, 1.9), (0.0, 0.2));
+            down.reverse();
+            assert_eq!(up, down, "{end}");
+            assert!(up.len() == 4 && up.iter().all(|cell| cell.0 == up[0].0), "{end}: {up:?}");
+        }
     }
 
     #[test]

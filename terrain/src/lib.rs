@@ -29,7 +29,7 @@ mod stretch;
 
 pub use cell::{Cell, Direction};
 pub use floor::{CellClass, Floor, FloorError};
-pub use footprint::{SAMPLES_PER_CELL, SweptRaster, samples_swept_along, samples_swept_from};
+pub use footprint::{SAMPLES_PER_CELL, SweptRaster, for_each_swept, samples_swept_from};
 pub use grid_map::{GridMap, MapError};
 pub use lattice::Lattice;
 pub use map_file::{FILE_BYTES_MAX, MapFile, MapFileError};

@@ -1,6 +1,6 @@
 //! A straight piece of a path, and distances to it.
 
-use crate::Point;
+use crate::{Point, Vector};
 
 /// A straight line between two points, metres. Both ends may be the same point.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,6 +46,41 @@ impl Segment {
             .min(self.distance_to_point(other.to))
             .min(other.distance_to_point(self.from))
             .min(other.distance_to_point(self.to))
+    }
+
+    /// The part of the horizontal line at height `y_m` that is within `radius_m` of the segment, as x from and to, metres: an
+    /// interval, since all that is within is convex.
+    pub fn within_at(&self, radius_m: f64, y_m: f64) -> Option<(f64, f64)> {
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        let mut join = |a: f64, b: f64| {
+            low = low.min(a);
+            high = high.max(b);
+        };
+        for end in [self.from, self.to] {
+            let half2 = radius_m * radius_m - (y_m - end.y).powi(2);
+            if half2 >= 0.0 {
+                join(end.x - half2.sqrt(), end.x + half2.sqrt());
+            }
+        }
+        // The corners of the band between the two discs; its edges cross the line between them.
+        let way = self.to - self.from;
+        let length_m = way.norm();
+        if length_m > 1e-12 {
+            let aside = Vector::new(-way.y, way.x) * (radius_m / length_m);
+            let corners = [self.from + aside, self.to + aside, self.to - aside, self.from - aside];
+            for number in 0..4 {
+                let (a, b) = (corners[number], corners[(number + 1) % 4]);
+                if (a.y - y_m) * (b.y - y_m) <= 0.0 {
+                    if (a.y - b.y).abs() < 1e-12 {
+                        join(a.x.min(b.x), a.x.max(b.x));
+                    } else {
+                        let x = a.x + (b.x - a.x) * ((y_m - a.y) / (b.y - a.y));
+                        join(x, x);
+                    }
+                }
+            }
+        }
+        (low <= high).then_some((low, high))
     }
 
     fn crosses(&self, other: &Self) -> bool {

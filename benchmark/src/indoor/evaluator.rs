@@ -3,7 +3,8 @@
 //! - **Ground.** A pixel is feasible when its centre is farther than the body's radius from the centres of all blocked
 //!   pixels; only the largest piece counts (steps to eight neighbours). A free pixel within half a tool of a feasible one is
 //!   coverable.
-//! - **Way.** A point at which the body's disc is free stays; any other is moved to the nearest feasible pixel. Two points are
+//! - **Way.** The body's disc is free where it lies farther than its radius from the centres of blocked pixels (as
+//!   [`Robot::radius_to_squares_m`] has it, hence a little farther at their corners). A point at which it is free stays; any other is moved to the nearest feasible pixel. Two points are
 //!   joined by a straight line where that is free for the disc, else by the shortest feasible way, pulled tight.
 //! - **Figures.** Length; direction changes above 30° after points on a straight line are left out (tolerance 0.75 pixels);
 //!   the part of the coverable area that the tool's disc sweeps, sampled twice as finely as the pixels; overlap = length ×
@@ -19,6 +20,15 @@ pub(crate) struct Robot {
     pub(crate) tool_width_m: f64,
     pub(crate) speed_m_per_s: f64,
     pub(crate) turn_rate_rad_per_s: f64,
+}
+
+impl Robot {
+    /// The radius of the disc that is kept off the squares of blocked pixels, metres. The notes, as costmaps do, take
+    /// clearance between the centres of pixels. A pixel holds a disc of half its side: what is farther from its square than
+    /// the radius less half a side is farther than the radius from its centre.
+    pub(crate) fn radius_to_squares_m(&self, resolution_m: f64) -> f64 {
+        self.radius_m - resolution_m / 2.0
+    }
 }
 
 /// What a way costs and covers.
@@ -151,7 +161,8 @@ impl<'a> Evaluator<'a> {
 
     /// Free for the body's disc, with a tangent wall allowed.
     fn is_free(&self, from: Point, to: Point) -> bool {
-        self.map.capsule_is_free(Segment::new(from, to), self.robot.radius_m - 1e-6)
+        let radius_m = self.robot.radius_to_squares_m(self.map.resolution_m());
+        self.map.capsule_is_free(Segment::new(from, to), radius_m - 1e-6)
     }
 
     fn snapped(&self, point: Point) -> Point {

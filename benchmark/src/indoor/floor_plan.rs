@@ -62,7 +62,8 @@ impl FloorPlan {
         let reader = MapFile { metres_per_character: 1.0, square_m: 0.05 };
         let map = reader.load(&yaml).map_err(|error| content(&yaml, error.to_string()))?;
         // Cells as small as pixels: every passage of the evaluator is one of the lattice.
-        let floor = Floor::new(&map, map.resolution_m(), robot.radius_m, robot.tool_width_m)
+        let radius_m = robot.radius_to_squares_m(map.resolution_m());
+        let floor = Floor::new(&map, map.resolution_m(), radius_m, robot.tool_width_m)
             .map_err(|error| content(&path, error.to_string()))?;
         Ok(Self {
             name: name.to_owned(),

@@ -177,10 +177,12 @@ impl Residue<'_, '_, '_> {
             .collect();
         near.sort_by(|a, b| a.0.total_cmp(&b.0));
         near.truncate(PASSING);
-        near.into_iter().flat_map(|(_, passing)| self.bends_of(passing, left)).collect()
+        let mut best_per_s = 0.0;
+        near.into_iter().flat_map(|(_, passing)| self.bends_of(passing, left, &mut best_per_s)).collect()
     }
 
-    fn bends_of(&mut self, passing: Passing, left: &[Point]) -> Vec<Change> {
+    /// Only those that can be worth more than the best so far, samples per second, by what is left of the patch.
+    fn bends_of(&mut self, passing: Passing, left: &[Point], best_per_s: &mut f64) -> Vec<Change> {
         let Segment { from, to } = passing.segment;
         let length_m = (to - from).norm();
         if length_m < 0.2 * self.tool_m() {
@@ -205,6 +207,7 @@ impl Residue<'_, '_, '_> {
         let (low_m, high_m) = (low_m.max(0.0), high_m.min(length_m));
         let mut found = Vec::new();
         for share in BEND_SHARES {
+            let mut is_free = false;
             for bend_m in BEND_TOOLS.map(|tools| tools * self.tool_m()) {
                 let begin_m = (low_m - bend_m).max(1e-3);
                 let end_m = (high_m + bend_m).min(length_m - 1e-3);
@@ -215,36 +218,50 @@ impl Residue<'_, '_, '_> {
                 let mut bent = vec![from + along * begin_m];
                 bent.extend(tops_m.iter().map(|top_m| from + along * *top_m + across * (aside_m * share)));
                 bent.push(from + along * end_m);
-                found.extend(self.bend(passing, &bent));
+                let Some((points, cost_s)) = self.bend(passing, &bent) else { continue };
+                is_free = true;
+                let most = Change { what: What::Bend(passing.lane, points), gain: left.len() as f64, cost_s };
+                if most.per_s() > *best_per_s {
+                    let change = Change { gain: self.gain_of_bend(passing, bent.len(), &most.what), ..most };
+                    *best_per_s = best_per_s.max(change.per_s());
+                    found.push(change);
+                }
             }
-            if !found.is_empty() {
+            if is_free {
                 break;
             }
         }
         found
     }
 
-    fn bend(&mut self, passing: Passing, bent: &[Point]) -> Option<Change> {
+    /// A lane with a bend in one of its parts, and what that costs, seconds.
+    fn bend(&self, passing: Passing, bent: &[Point]) -> Option<(Vec<Point>, f64)> {
         let space = self.lines[0].space;
         let is_free = bent.windows(2).all(|pair| space.segment_is_free(Segment::new(pair[0], pair[1])));
         if !is_free {
             return None;
         }
         let old = &self.tour.lane(passing.lane).points;
-        let part = [old[passing.number], old[passing.number + 1]];
         let mut points = old[..=passing.number].to_vec();
         points.extend(bent);
         points.extend(&old[passing.number + 1..]);
         let motion = &space.instance().motion;
         let cost_s = motion.path_s(&points, None) - motion.path_s(old, None);
-        let new: Vec<Point> = points[passing.number..passing.number + bent.len() + 2].to_vec();
+        Some((points, cost_s))
+    }
+
+    /// Samples that a lane with so many points more in one of its parts sweeps, and did not before.
+    fn gain_of_bend(&mut self, passing: Passing, more: usize, bent: &What) -> f64 {
+        let What::Bend(_, points) = bent else { return 0.0 };
+        let part = [passing.segment.from, passing.segment.to];
+        let new = &points[passing.number..passing.number + more + 2];
         let before = self.ground.left_count();
-        self.ground.sweep(&new);
+        self.ground.sweep(new);
         self.ground.unsweep(&part);
         let gain = before as f64 - self.ground.left_count() as f64;
         self.ground.sweep(&part);
-        self.ground.unsweep(&new);
-        Some(Change { what: What::Bend(passing.lane, points), gain, cost_s })
+        self.ground.unsweep(new);
+        gain
     }
 
     fn new_lanes(&mut self, left: &[Point]) -> Vec<Change> {
