@@ -91,6 +91,11 @@ impl Ground {
         1.0 - self.left_count as f64 / self.wanted_count.max(1) as f64
     }
 
+    /// How many samples more have to be swept for this share.
+    pub(crate) fn missing(&self, share: f64) -> f64 {
+        ((share - self.coverage()) * self.wanted_count as f64).max(0.0)
+    }
+
     /// Samples that are wanted and not swept.
     pub(crate) fn left_count(&self) -> usize {
         self.left_count

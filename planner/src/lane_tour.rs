@@ -585,10 +585,15 @@ impl<'s, 'a> LaneTour<'s, 'a> {
             if self.at[near / 2] == OUT || self.is_entry(near) == leaves {
                 continue;
             }
-            let Some(joined_s) = self.price_below(end, near, now_s) else { continue };
             let near_at = self.at[near / 2] as usize;
             let near_partner = if leaves { self.entry(near_at + 1) } else { self.exit(near_at + lanes - 1) };
-            let saved_s = now_s + self.price(near, near_partner) - joined_s;
+            let freed_s = now_s + self.price(near, near_partner);
+            // No way is looked for where bounds say that nothing can be gained.
+            if at_least_s + self.price_at_least(partner, near_partner) >= freed_s - BETTER_S {
+                continue;
+            }
+            let Some(joined_s) = self.price_below(end, near, now_s) else { continue };
+            let saved_s = freed_s - joined_s;
             let Some(other_s) = self.price_below(partner, near_partner, saved_s - BETTER_S) else { continue };
             let gain_s = saved_s - other_s;
             if gain_s > BETTER_S {
@@ -650,13 +655,17 @@ impl<'s, 'a> LaneTour<'s, 'a> {
         let (first, last) = (self.entry(begin), self.exit(begin + count - 1));
         let (before, after) = (self.exit(begin + lanes - 1), self.entry(begin + count));
         let apart_s = self.price(before, first) + self.price(last, after);
-        let closed_s = self.price_below(before, after, apart_s - BETTER_S)?;
-        let freed_s = apart_s - closed_s;
+        let most_freed_s = apart_s - self.price_at_least(before, after);
+        if most_freed_s <= BETTER_S {
+            return None;
+        }
+        // What is freed is known once bounds say that it could be enough somewhere.
+        let mut freed_s: Option<f64> = None;
         let inside = |at: usize| (at + lanes - begin) % lanes < count;
         for (end, far) in [(first, last), (last, first)] {
             for number in 0..self.near[end].len() {
                 let NearEnd { end: near, at_least_s } = self.near[end][number];
-                if at_least_s >= freed_s {
+                if at_least_s >= freed_s.unwrap_or(most_freed_s) {
                     break;
                 }
                 let near = near as usize;
@@ -664,13 +673,27 @@ impl<'s, 'a> LaneTour<'s, 'a> {
                 if near_at == OUT as usize || inside(near_at) {
                     continue;
                 }
-                let Some(joined_s) = self.price_below(end, near, freed_s) else { continue };
                 let leaves = !self.is_entry(near);
                 let beyond_at = if leaves { (near_at + 1) % lanes } else { (near_at + lanes - 1) % lanes };
                 if inside(beyond_at) {
                     continue;
                 }
                 let beyond = if leaves { self.entry(beyond_at) } else { self.exit(beyond_at) };
+                let least_s = at_least_s + self.price_at_least(far, beyond) - self.price(near, beyond);
+                if least_s >= freed_s.unwrap_or(most_freed_s) - BETTER_S {
+                    continue;
+                }
+                let freed_s = match freed_s {
+                    Some(freed_s) => freed_s,
+                    None => {
+                        let closed_s = self.price_below(before, after, apart_s - BETTER_S)?;
+                        *freed_s.insert(apart_s - closed_s)
+                    }
+                };
+                if least_s >= freed_s - BETTER_S {
+                    continue;
+                }
+                let Some(joined_s) = self.price_below(end, near, freed_s) else { continue };
                 let opened_s = freed_s + self.price(near, beyond) - joined_s;
                 let Some(far_s) = self.price_below(far, beyond, opened_s - BETTER_S) else { continue };
                 let gain_s = opened_s - far_s;

@@ -84,10 +84,21 @@ pub fn for_each_swept(lattice: &Lattice, segment: Segment, radius_m: f64, mut ac
             std::array::from_fn(|row| Run::within(lattice, segment, radius_m, (y, row as u32), &columns));
         let Some(first) = runs.iter().flatten().map(|run| run.first).min() else { continue };
         let last = runs.iter().flatten().map(|run| run.last).max().unwrap_or(first);
+        // From the one to the other all rows are swept.
+        let all = runs.iter().all(Option::is_some).then(|| {
+            let all = runs.iter().flatten();
+            all.fold((first, last), |(from, to), run| (from.max(run.first), to.min(run.last)))
+        });
         for x in first / SIDE as i32..=last / SIDE as i32 {
+            let is_whole =
+                all.is_some_and(|(from, to)| from <= x * SIDE as i32 && (x + 1) * SIDE as i32 - 1 <= to);
             let bits =
                 |(row, run): (usize, &Option<Run>)| run.map_or(0, |run| run.bits(x) << (SIDE as usize * row));
-            let samples = runs.iter().enumerate().map(bits).fold(0, |all, bits| all | bits);
+            let samples = if is_whole {
+                u64::MAX
+            } else {
+                runs.iter().enumerate().map(bits).fold(0, |all, bits| all | bits)
+            };
             if let (Some(index), true) = (lattice.index(Cell::new(x, y)), samples != 0) {
                 act(index, samples);
             }

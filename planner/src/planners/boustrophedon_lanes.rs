@@ -51,6 +51,8 @@ const WORTH: f64 = 0.1;
 const WORTH_OF_REST: f64 = 0.05;
 /// A share of the ground that could not be swept counts as so many times that share of the time.
 const MISSING: f64 = 10.0;
+/// Without effort, so many times what is missing is looked at together.
+const BREADTH: f64 = 4.0;
 /// Lines for what is left lie this share of a tool apart.
 const STEPS_ASIDE: f64 = 8.0;
 
@@ -149,22 +151,27 @@ impl<'p, 'a> Piece<'p, 'a> {
         }
         tour.improve(steps(tour), &mut random);
         sweep_tour(&mut self.ground, tour);
-        let (lines, goal) = (self.lines(orientation), self.goal());
-        residue::sweep(tour, &mut self.ground, &lines, goal);
+        let (lines, goal, breadth) = (self.lines(orientation), self.goal(), self.breadth());
+        residue::sweep(tour, &mut self.ground, &lines, goal, breadth);
     }
 
     /// Leaves out what is not worth it, and sweeps what is missing then.
     fn balance(&mut self, orientation: &Orientation, tour: &mut LaneTour<'p, 'a>, worth: &mut Worth) {
         sweep_tour(&mut self.ground, tour);
-        let (lines, goal) = (self.lines(orientation), self.goal());
+        let (lines, goal, breadth) = (self.lines(orientation), self.goal(), self.breadth());
         balancing::leave_out(tour, &mut self.ground, *worth, goal);
-        if let Some(per_s) = residue::sweep(tour, &mut self.ground, &lines, goal) {
+        if let Some(per_s) = residue::sweep(tour, &mut self.ground, &lines, goal, breadth) {
             worth.per_s *= (per_s / worth.per_s).sqrt().clamp(0.7, 1.3);
         }
     }
 
     fn goal(&self) -> f64 {
         (self.space.instance().coverage_min + COVERAGE_MARGIN).min(1.0)
+    }
+
+    /// How many patches are looked at, as a multiple of what is missing.
+    fn breadth(&self) -> f64 {
+        if self.options.effort == 0 { BREADTH } else { f64::INFINITY }
     }
 
     fn worth(&self) -> Worth {

@@ -27,12 +27,14 @@ const ASIDE_TOOLS: f64 = 1.5;
 const TIME_MIN_S: f64 = 0.05;
 
 /// Changes a tour until the coverage is `goal`, or as near to it as can be; `ground` has been swept by the tour. The
-/// samples that the last change swept for each second it takes.
+/// samples that the last change swept for each second it takes. Patches are looked at together that hold `breadth` times
+/// what is missing, the largest first.
 pub(super) fn sweep<'a>(
     tour: &mut LaneTour<'_, 'a>,
     ground: &mut Ground,
     lines: &[Lines<'_, 'a>; 2],
     goal: f64,
+    breadth: f64,
 ) -> Option<f64> {
     let mut last_per_s = None;
     if ground.coverage() >= goal {
@@ -40,12 +42,24 @@ pub(super) fn sweep<'a>(
     }
     let mut residue = Residue { passing: passing(tour), joins: tour.joins(), tour, ground, lines };
     let patches = patches(residue.ground.samples().columns as usize, residue.ground);
+    let mut waiting = (0..patches.len()).peekable();
     let mut heap = BinaryHeap::new();
-    for (number, patch) in patches.iter().enumerate() {
-        heap.extend(residue.best_change(patch).map(|change| Entry { number, per_s: change.per_s() }));
-    }
     while residue.ground.coverage() < goal {
-        let Some(entry) = heap.pop() else { break };
+        // The larger patches first, as many as hold a good deal more than is missing.
+        if heap.is_empty() {
+            let mut enough = breadth * residue.ground.missing(goal);
+            while let Some(number) = waiting.next_if(|_| enough > 0.0) {
+                enough -= patches[number].len() as f64;
+                let change = residue.best_change(&patches[number]);
+                heap.extend(change.map(|change| Entry { number, per_s: change.per_s() }));
+            }
+        }
+        let Some(entry) = heap.pop() else {
+            if waiting.peek().is_none() {
+                break;
+            }
+            continue;
+        };
         let patch = &patches[entry.number];
         // Changes before this one may have swept some of the patch, or changed the lane that would bend.
         let Some(change) = residue.best_change(patch).and_then(|change| residue.priced(change)) else {
@@ -328,7 +342,7 @@ impl Residue<'_, '_, '_> {
     }
 }
 
-/// Samples that are left, gathered where they touch.
+/// Samples that are left, gathered where they touch; the largest patches first.
 fn patches(columns: usize, ground: &Ground) -> Vec<Vec<usize>> {
     let places = ground.samples().len();
     let mut seen = vec![false; places];
@@ -361,5 +375,6 @@ fn patches(columns: usize, ground: &Ground) -> Vec<Vec<usize>> {
             patches.push(patch);
         }
     }
+    patches.sort_by_key(|patch| std::cmp::Reverse(patch.len()));
     patches
 }
