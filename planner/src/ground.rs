@@ -145,6 +145,17 @@ impl Ground {
         });
     }
 
+    /// How many wanted samples are swept along a line of points, and only once.
+    pub(crate) fn alone(&self, points: &[Point]) -> usize {
+        let mut alone = 0;
+        for pair in points.windows(2) {
+            for_each_within(&self.samples, Segment::new(pair[0], pair[1]), self.radius_m, |begin, end| {
+                alone += (begin..end).filter(|&place| self.wanted[place] && self.swept[place] == 1).count();
+            });
+        }
+        alone
+    }
+
     /// How many samples a segment would sweep that are left.
     pub(crate) fn gain(&self, segment: Segment) -> usize {
         let mut gain = 0;

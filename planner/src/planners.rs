@@ -15,6 +15,7 @@ mod stc;
 mod tmstc_star;
 
 use crate::{Instance, Plan, PlanError, PlanOptions};
+pub(crate) use boustrophedon::completed;
 
 /// One row of the table.
 #[derive(Debug, Clone, Copy)]

@@ -31,7 +31,8 @@ fn ring(corners: usize, [x, y]: [f64; 2], radius_m: impl Fn(usize) -> f64, turn_
 /// A star-shaped room with those of the holes that fit into it.
 fn room(radii_m: &[f64], holes: &[([f64; 2], f64, f64, usize)]) -> Option<Polygons> {
     let checked = |polygon: &Polygon<f64>| Polygons::new(MultiPolygon::new(vec![polygon.clone()])).ok();
-    let mut polygon = Polygon::new(ring(radii_m.len(), [0.0, 0.0], |number| radii_m[number], 0.1), Vec::new());
+    let mut polygon =
+        Polygon::new(ring(radii_m.len(), [0.0, 0.0], |number| radii_m[number], 0.1), Vec::new());
     let mut room = checked(&polygon)?;
     for &(at, radius_m, turn_rad, corners) in holes {
         let mut more = polygon.clone();

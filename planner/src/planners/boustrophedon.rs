@@ -30,10 +30,11 @@ mod line_sweep;
 mod merging;
 mod msa;
 mod raster;
-pub(super) mod residual;
+mod residual;
 mod robots;
 mod segmentation;
 
+pub(crate) use residual::completed;
 pub(super) use segmentation::Segmentation;
 
 use crate::{

@@ -23,7 +23,6 @@ mod residue;
 mod sharing;
 mod splitting;
 
-use super::boustrophedon::residual;
 use crate::{
     Instance, Mode, Plan, PlanError, PlanOptions, Route,
     configuration_space::ConfigurationSpace,
@@ -62,30 +61,14 @@ pub(super) fn plan(instance: &Instance<'_>, options: &PlanOptions) -> Result<Pla
     let space = ConfigurationSpace::new(instance);
     let mut plan = Plan { routes: vec![Route::default(); instance.starts.len()] };
     for robots in splitting::groups(&space) {
-        let own = space.only(&robots);
-        let mut piece = Piece { space: &own, ground: Ground::new(&own), robots: &robots, options };
+        let own = (robots.len() < instance.starts.len()).then(|| space.only(&robots));
+        let own = own.as_ref().unwrap_or(&space);
+        let mut piece = Piece { space: own, ground: Ground::new(own), robots: &robots, options };
         if piece.ground.left_count() > 0 {
             piece.plan(&mut plan);
         }
     }
-    swept_whole(&mut Transfers::new(&space), &mut plan);
     Ok(plan)
-}
-
-/// Side trips for what is missing still, by the measure of verify.
-fn swept_whole(transfers: &mut Transfers<'_, '_>, plan: &mut Plan) {
-    let instance = transfers.space().instance();
-    if residual::is_whole(instance, plan) {
-        return;
-    }
-    for (route, start) in plan.routes.iter_mut().zip(&instance.starts) {
-        if route.points.is_empty() {
-            route.points.push(instance.place(start));
-        }
-    }
-    residual::sweep_the_rest(transfers, &mut plan.routes, instance.coverage_min);
-    residual::visit_gaps(transfers, plan);
-    residual::drop_idle(instance, plan);
 }
 
 /// Ground that some robots reach, and these.

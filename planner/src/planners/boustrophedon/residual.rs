@@ -4,12 +4,31 @@
 //! The places are centres of cells, the one from which most is gained first, until the share asked for is swept. From all of
 //! them together everything that can be asked for is swept, so this always gets there.
 
-use crate::{Instance, Mode, Plan, Route, VerifyError, transfers::Transfers, verify};
+use crate::{
+    Instance, Mode, Plan, Route, VerifyError, configuration_space::ConfigurationSpace, transfers::Transfers,
+    verify,
+};
 use std::collections::BinaryHeap;
 use terrain::{Cell, Lattice, Point, Segment, SweptRaster, samples_swept_from};
 
 /// So many places of routes are looked at for a side trip.
 const CANDIDATES: usize = 4;
+
+/// Side trips for what a plan leaves that has to be swept by the measure of verify. Charges come later.
+pub(crate) fn completed(instance: &Instance<'_>, mut plan: Plan) -> Plan {
+    let instance = Instance { battery: None, ..instance.clone() };
+    let space = ConfigurationSpace::new(&instance);
+    let mut transfers = Transfers::new(&space);
+    for (route, start) in plan.routes.iter_mut().zip(&instance.starts) {
+        if route.points.is_empty() {
+            route.points.push(instance.place(start));
+        }
+    }
+    sweep_the_rest(&mut transfers, &mut plan.routes, instance.coverage_min);
+    visit_gaps(&mut transfers, &mut plan);
+    drop_idle(&instance, &mut plan);
+    plan
+}
 
 /// Adds side trips to routes until they sweep `share` of what is to be swept. Routes have at least one point each.
 pub(in crate::planners) fn sweep_the_rest(
@@ -70,7 +89,7 @@ pub(in crate::planners) fn drop_idle(instance: &Instance<'_>, plan: &mut Plan) {
 
 /// Whether all is swept that has to be, by the measure of verify. Charges come later, or are there already: they do not count
 /// here.
-pub(in crate::planners) fn is_whole(instance: &Instance<'_>, plan: &Plan) -> bool {
+fn is_whole(instance: &Instance<'_>, plan: &Plan) -> bool {
     let without_battery = Instance { battery: None, ..instance.clone() };
     !matches!(verify(&without_battery, plan), Err(VerifyError::NotSwept { .. } | VerifyError::Gap(_)))
 }

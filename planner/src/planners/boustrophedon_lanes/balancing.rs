@@ -1,32 +1,39 @@
 //! Lanes that are not worth their time, for what else is swept on the way, are left out, and so are those of least worth beyond
 //! what is asked for.
 
-use super::{placing::Worth, sweep_tour};
+use super::placing::Worth;
 use crate::{ground::Ground, lane_tour::LaneTour, transfers::Way};
+use std::{
+    cmp::{Ordering, Reverse},
+    collections::BinaryHeap,
+};
 
 /// Leaves out lanes, those with the least swept by them alone for their time first, as long as each is worth less than
-/// its time, or the coverage without it is `goal` still. `ground` has been swept by the tour.
+/// its time, or the coverage without it is `goal` still. `ground` has been swept by the tour. Which lanes come first is
+/// told by an estimate at first, and looked at closely when it is their turn. In the end `ground` is as the tour leaves it.
 pub(super) fn leave_out(tour: &mut LaneTour<'_, '_>, ground: &mut Ground, worth: Worth, goal: f64) {
-    let mut order: Vec<(f64, usize)> = (0..tour.len())
-        .filter(|&at| tour.lane_at(at) != 0)
-        .collect::<Vec<_>>()
-        .into_iter()
-        .map(|at| {
-            let saved_s = tour.saving_s(at);
-            let lost = lost_without(tour, ground, at);
-            restore(tour, ground, at);
-            (lost / saved_s.max(1e-3), tour.lane_at(at))
-        })
-        .collect();
-    order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    for (per_s, lane) in order {
+    let mut heap = BinaryHeap::new();
+    for at in 0..tour.len() {
+        let lane = tour.lane_at(at);
+        if lane == 0 {
+            continue;
+        }
+        let per_s = ground.alone(&tour.lane(lane).points) as f64 / tour.most_saving_s(at).max(1e-3);
+        heap.push(Reverse(Candidate { per_s, lane, is_exact: false }));
+    }
+    while let Some(Reverse(candidate)) = heap.pop() {
+        let Candidate { per_s, lane, is_exact } = candidate;
         let is_worthy = per_s > 1.2 * worth.per_s;
         if is_worthy && ground.coverage() < goal {
             break;
         }
         let Some(at) = tour.place_of(lane).filter(|_| tour.len() > 2) else { continue };
         let saved_s = tour.saving_s(at);
-        if lost_without(tour, ground, at) < worth.per_s * saved_s || ground.coverage() >= goal {
+        let lost = lost_without(tour, ground, at);
+        if !is_exact {
+            restore(tour, ground, at);
+            heap.push(Reverse(Candidate { per_s: lost / saved_s.max(1e-3), lane, is_exact: true }));
+        } else if lost < worth.per_s * saved_s || ground.coverage() >= goal {
             tour.remove(at);
         } else {
             restore(tour, ground, at);
@@ -36,7 +43,28 @@ pub(super) fn leave_out(tour: &mut LaneTour<'_, '_>, ground: &mut Ground, worth:
             }
         }
     }
-    sweep_tour(ground, tour);
+}
+
+/// A lane that may be left out, and what it sweeps alone for its time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Candidate {
+    per_s: f64,
+    lane: usize,
+    is_exact: bool,
+}
+
+impl Eq for Candidate {}
+
+impl PartialOrd for Candidate {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Candidate {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.per_s.total_cmp(&other.per_s).then(self.lane.cmp(&other.lane))
+    }
 }
 
 /// Samples that nothing would sweep without a lane; `ground` is left as without it.

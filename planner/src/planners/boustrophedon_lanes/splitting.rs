@@ -8,6 +8,9 @@ use terrain::Point;
 
 /// The robots on each connected piece of the space.
 pub(super) fn groups(space: &ConfigurationSpace<'_>) -> Vec<Vec<usize>> {
+    if space.instance().starts.len() == 1 {
+        return vec![vec![0]];
+    }
     let piece = pieces_of_places(space);
     let mut found: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
     for (robot, start) in space.instance().starts.iter().enumerate() {
