@@ -54,8 +54,8 @@ pub(crate) fn run(options: &Options, progress: Progress<'_>) -> Result<Vec<Table
         "One robot from station 0 and back, no battery limit",
         "Length ÷ bound: bound = coverable area ÷ tool width. Coverage: of what a round tool can touch. Time: length ÷ speed \
          + all turning at 1 rad/s. Judged by one evaluator that knows no planner; rows of other programs and of the \
-         reference were judged by the same rules before (`reference.csv`). Ours twice: at the coverage of the reference, and \
-         with what is left toured as well.",
+         reference were judged by the same rules before (`reference.csv`): clearance between the centres of pixels, for one. \
+         Ours twice: at the coverage of the reference, and with what is left toured as well.",
         &[
             "map",
             "planner",

@@ -693,13 +693,11 @@ impl<'s, 'a> LaneTour<'s, 'a> {
                 if least_s >= freed_s.unwrap_or(most_freed_s) - BETTER_S {
                     continue;
                 }
-                let freed_s = match freed_s {
-                    Some(freed_s) => freed_s,
-                    None => {
-                        let closed_s = self.price_below(before, after, apart_s - BETTER_S)?;
-                        *freed_s.insert(apart_s - closed_s)
-                    }
-                };
+                if freed_s.is_none() {
+                    let closed_s = self.price_below(before, after, apart_s - BETTER_S)?;
+                    freed_s = Some(apart_s - closed_s);
+                }
+                let freed_s = freed_s.unwrap_or(most_freed_s);
                 if least_s >= freed_s - BETTER_S {
                     continue;
                 }

@@ -2,7 +2,7 @@
 //! was laid out on.
 
 use geo::{Coord, LineString, LinesIter, MultiPolygon, Polygon};
-use planner::{Instance, Mode, PLANNERS, PlanError, PlanOptions, Start, plan};
+use planner::{Instance, Mode, PLANNERS, PlanError, PlanOptions, Start, VerifiedPlan, plan};
 use proptest::prelude::*;
 use terrain::{Floor, MotionModel, Point, Polygons, Segment};
 
@@ -90,7 +90,7 @@ proptest! {
                 planned => planned,
             };
             prop_assert!(planned.is_ok(), "{}: {:?}", planner.name, planned);
-            for route in planned.iter().flat_map(|plan| plan.routes()) {
+            for route in planned.iter().flat_map(VerifiedPlan::routes) {
                 let near = first_too_near(&room, &route.points);
                 prop_assert!(near.is_none(), "{}: {near:?}", planner.name);
             }
