@@ -82,7 +82,9 @@ struct Piece<'p, 'a> {
 impl<'p, 'a> Piece<'p, 'a> {
     fn plan(&mut self, plan: &mut Plan) {
         let (orientation, mut tour) = self.best_tour();
-        self.refine(&orientation, &mut tour);
+        if self.options.effort > 0 {
+            self.refine(&orientation, &mut tour);
+        }
         let (stops, home) = tour.stops();
         match self.robots {
             [only] => plan.routes[*only] = Route::new(points(&stops, home)),
@@ -92,7 +94,7 @@ impl<'p, 'a> Piece<'p, 'a> {
         }
     }
 
-    /// The best of tours over lattices that are moved a little. Without effort there is but one.
+    /// The best of tours over lattices that are moved a little. Without effort there is but one, and it stays as it is.
     fn best_tour(&mut self) -> (Orientation, LaneTour<'p, 'a>) {
         let shifts = if self.options.effort == 0 { &SHIFTS[..1] } else { &SHIFTS };
         let mut best: Option<(f64, Orientation, LaneTour<'p, 'a>)> = None;
@@ -126,9 +128,8 @@ impl<'p, 'a> Piece<'p, 'a> {
     fn refine(&mut self, orientation: &Orientation, tour: &mut LaneTour<'p, 'a>) {
         let mut random = ChaCha8Rng::seed_from_u64(self.options.seed);
         let steps = |tour: &LaneTour<'_, '_>| u64::from(self.options.effort) * STEPS * tour.len() as u64;
-        let rounds = if self.options.effort == 0 { 0 } else { ROUNDS };
         let mut worth = self.worth();
-        for _ in 0..rounds {
+        for _ in 0..ROUNDS {
             tour.improve(steps(tour), &mut random);
             self.balance(orientation, tour, &mut worth);
         }
