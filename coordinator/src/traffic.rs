@@ -419,6 +419,7 @@ impl Coordinator {
         let tool_active = own.is_some_and(|index| self.ledger.is_open(index))
             || self
                 .cells_swept(Segment::new(point, point))
+                .into_iter()
                 .any(|(index, samples)| is_task(index) && samples & self.ledger.missing(index) != 0);
         Waypoint { point, cell: Some(cell), tool_active }
     }
