@@ -91,21 +91,31 @@ impl Passages {
         self.from.get(&index).into_iter().flatten()
     }
 
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.from.is_empty()
+    }
+
     /// All of them; each is met twice, once in each direction.
     pub fn iter(&self) -> impl Iterator<Item = &Passage> + '_ {
         self.from.values().flatten()
     }
 
-    /// Row-major: the cells that a body gets to from some cells, over moves and passages.
-    pub fn reached(&self, floor: &Floor, from: impl IntoIterator<Item = Cell>) -> Vec<bool> {
+    /// Row-major: the cells that a body gets to from some cells, over moves and passages and cells that are open.
+    pub fn reached(
+        &self,
+        floor: &Floor,
+        from: impl IntoIterator<Item = Cell>,
+        is_open: impl Fn(Cell) -> bool,
+    ) -> Vec<bool> {
         let lattice = floor.lattice();
         let mut reached = vec![false; lattice.len()];
-        let mut stack: Vec<Cell> = from.into_iter().filter(|&cell| floor.cell_is_drivable(cell)).collect();
+        let mut stack: Vec<Cell> = from.into_iter().collect();
         while let Some(cell) = stack.pop() {
-            let index = lattice.index(cell).expect("only cells of the lattice are drivable");
-            if !std::mem::replace(&mut reached[index], true) {
-                stack.extend(floor.neighbours(cell).chain(self.from(index).map(|passage| passage.to)));
-            }
+            let index = lattice.index(cell).filter(|&index| floor.is_drivable(index) && is_open(cell));
+            let Some(index) = index.filter(|&index| !reached[index]) else { continue };
+            reached[index] = true;
+            stack.extend(floor.neighbours(cell).chain(self.from(index).map(|passage| passage.to)));
         }
         reached
     }
@@ -288,7 +298,7 @@ mod tests {
         let (columns, rows) = (120, 60);
         let squares = (0..rows)
             .flat_map(|y| (0..columns).map(move |x| (x, y)))
-            .map(|(x, y): (i32, i32)| x < 30 || x >= 90 || (y * 100 - x * 37 - 900).abs() < width * 53)
+            .map(|(x, y): (i32, i32)| !(30..90).contains(&x) || (y * 100 - x * 37 - 900).abs() < width * 53)
             .collect();
         let map = GridMap::new(columns as u32, rows as u32, 0.05, Point::origin(), squares).unwrap();
         Floor::new(&map, 0.4, 0.3, 0.52).unwrap()
@@ -305,7 +315,7 @@ mod tests {
         let pieces = floor.pieces();
         assert_ne!(pieces[here], pieces[there]);
         let passages = Passages::new(&floor);
-        assert!(passages.reached(&floor, [far_apart()[0]])[there]);
+        assert!(passages.reached(&floor, [far_apart()[0]], |_| true)[there]);
         for passage in passages.iter() {
             assert_eq!(passage.points[0], floor.lattice().center(passage.from));
             assert_eq!(passage.points.last(), Some(&floor.lattice().center(passage.to)));
@@ -321,7 +331,7 @@ mod tests {
         let floor = slanted(13);
         let passages = Passages::new(&floor);
         let there = floor.lattice().index(far_apart()[1]).unwrap();
-        assert!(!passages.reached(&floor, [far_apart()[0]])[there]);
+        assert!(!passages.reached(&floor, [far_apart()[0]], |_| true)[there]);
     }
 
     #[test]
