@@ -18,6 +18,8 @@ pub struct Report {
     pub coverable_m2: f64,
     /// Free ground that the tool touches from no cell's centre, square metres.
     pub untouchable_m2: f64,
+    /// Part of what can be covered that no robot gets to, square metres.
+    pub out_of_reach_m2: f64,
     /// Mission time, seconds.
     pub duration_s: f64,
     /// Makespan of the first plan, seconds.
@@ -28,6 +30,8 @@ pub struct Report {
     pub robots_lost: u32,
     /// What was given up, and why.
     pub gaps: Vec<String>,
+    /// Parts that no robot gets to.
+    pub out_of_reach: Vec<String>,
 }
 
 impl Report {
@@ -41,11 +45,13 @@ impl Report {
             covered_m2: progress.covered_m2,
             coverable_m2: progress.coverable_m2,
             untouchable_m2: progress.untouchable_m2,
+            out_of_reach_m2: progress.out_of_reach_m2,
             duration_s: result.duration_s,
             planned_s: result.planned_makespan_s,
             replans: result.replans,
             robots_lost: result.robots_lost,
             gaps: result.gaps.iter().map(|gap| gap.text.clone()).collect(),
+            out_of_reach: result.out_of_reach.iter().map(|part| part.text.clone()).collect(),
         }
     }
 
@@ -75,6 +81,9 @@ impl std::fmt::Display for Report {
         write!(f, "replans      {}, robots lost {}", self.replans, self.robots_lost)?;
         for gap in &self.gaps {
             write!(f, "\ngap          {gap}")?;
+        }
+        for part in &self.out_of_reach {
+            write!(f, "\nout of reach {part}")?;
         }
         Ok(())
     }

@@ -87,6 +87,9 @@ impl Announcer {
         if !result.gaps.is_empty() {
             text = format!("{text}, {} gaps", result.gaps.len());
         }
+        if !result.out_of_reach.is_empty() {
+            text = format!("{text}, {} parts out of reach", result.out_of_reach.len());
+        }
         if !result.cause.is_empty() {
             text = format!("{}; {text}", result.cause);
         }

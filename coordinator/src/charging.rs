@@ -112,7 +112,7 @@ impl Coordinator {
         for station in 0..self.stations.len() {
             let cell: Vec<Cell> = self.station_cell(station).into_iter().collect();
             self.stations[station].moves =
-                way::moves_to(&self.floor, &cell, |cell| self.is_open_ground(cell));
+                way::moves_to(self.roads(), &cell, |cell| self.is_open_ground(cell));
         }
     }
 
@@ -195,13 +195,14 @@ impl Coordinator {
         let (Some(energy), Some(from)) = (robot.energy, self.start_cell(index)) else { return true };
         let cell_m = self.floor.lattice().cell_m;
         let Some(way) = self.way_as_if_open(from) else { return true };
-        energy.at_most_percent((way.len() as f64 + 2.0) * cell_m, cell_m) <= spare_percent
+        let way_m: f64 = self.points_along(&way).windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
+        energy.at_most_percent(way_m + 3.0 * cell_m, cell_m) <= spare_percent
     }
 
     /// The way to the nearest station that works, as if no ground were closed.
     fn way_as_if_open(&self, from: Cell) -> Option<Vec<Cell>> {
         let stations = self.station_cells();
-        way::nearest(&self.floor, from, |cell| stations.contains(&cell), |_| true)
+        way::nearest(self.roads_as_if_open(), from, |cell| stations.contains(&cell), |_| true)
     }
 
     /// The cell near a point from which a way to a station is known.
@@ -226,10 +227,10 @@ impl Coordinator {
         };
         let Some(road) = self.station_road(last) else { return Vec::new() };
         let trip = |station: usize| {
-            let way = way::down(&self.floor, &self.stations[station].moves, road)?;
-            let centers = way.iter().map(|&cell| self.floor.lattice().center(cell));
+            let way = way::down(self.roads(), &self.stations[station].moves, road)?;
             let dock = std::iter::once(self.stations[station].position);
-            let places: Vec<Point> = std::iter::once(last).chain(centers).chain(dock).collect();
+            let places: Vec<Point> =
+                std::iter::once(last).chain(self.points_along(&way)).chain(dock).collect();
             let way_s = motion.path_s(&places, heading_rad);
             let stands_s = (self.wait_s(station) - way_s).max(0.0);
             let percent =
@@ -302,25 +303,22 @@ impl Coordinator {
         let open = way.iter().skip(1).take_while(|&&cell| self.is_open_ground(cell)).count();
         let begins_at_base_end = self.robots[index].route.base_end().is_some_and(|node| node.cell.is_some());
         let up_to = open.saturating_sub(1).max(usize::from(!begins_at_base_end)) + 1;
-        let places = &way[usize::from(begins_at_base_end)..up_to.min(way.len())];
-        self.send_along(index, places, None, Ending::Stay);
+        self.send_along(index, &way[..up_to.min(way.len())], None, Ending::Stay);
         self.queue_for(now, index, station, ", its way there is blocked");
         true
     }
 
     fn way_to_station(&self, from: Cell, station: usize) -> Option<Vec<Cell>> {
-        way::down(&self.floor, &self.stations[station].moves, from)
+        way::down(self.roads(), &self.stations[station].moves, from)
     }
 
     fn send_to_station(&mut self, index: RobotIndex, station: usize, way: &[Cell]) {
         self.stations[station].occupied_by = Some(index);
         self.robots[index].errand = Errand::ToStation(station);
         self.robots[index].uncharged_since = None;
-        let begins_at_base_end = self.robots[index].route.base_end().is_some_and(|node| node.cell.is_some());
-        let cells = &way[usize::from(begins_at_base_end)..];
         let ending = Ending::Charge(self.stations[station].id.clone());
         let dock = self.stations[station].position;
-        self.send_along(index, cells, Some(dock), ending);
+        self.send_along(index, way, Some(dock), ending);
     }
 
     /// A robot's errand is void; whatever it had reserved for it is free again.
@@ -463,7 +461,7 @@ impl Coordinator {
         let dock = self.stations[station].position;
         let lattice = *self.floor.lattice();
         let far = |cell: Cell| (lattice.center(cell) - dock).norm() > 3.0 * self.separation_m();
-        if let Some(way) = way::nearest(&self.floor, from, far, |cell| self.is_open_ground(cell)) {
+        if let Some(way) = way::nearest(self.roads(), from, far, |cell| self.is_open_ground(cell)) {
             self.send_along(index, &way, None, Ending::Stay);
         }
     }

@@ -7,14 +7,19 @@ use crate::{
     ledger::{Ledger, RobotIndex},
     replan::Replanning,
     robot::{Phase, Robot},
+    way::Roads,
     zones::Zones,
 };
 use protocol::{
     Timestamp,
     v1::{self, MissionState},
 };
-use std::{collections::BTreeMap, sync::Arc, time::Duration};
-use terrain::{Cell, Floor, FloorError, Point};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    sync::Arc,
+    time::Duration,
+};
+use terrain::{Cell, Floor, FloorError, Passages, Point};
 
 /// Pose error and tracking error that a sweep may have and still count, metres: what can be swept is reckoned
 /// with a tool that is smaller by this on all sides.
@@ -32,6 +37,9 @@ const TICK: Duration = Duration::from_millis(100);
 pub struct Coordinator {
     pub(crate) config: Config,
     pub(crate) floor: Arc<Floor>,
+    pub(crate) passages: Passages,
+    /// Row-major: the piece of the lattice that a cell belongs to.
+    pub(crate) pieces: Vec<u32>,
     pub(crate) ledger: Ledger,
     pub(crate) zones: Zones,
     pub(crate) robots: Vec<Robot>,
@@ -39,6 +47,8 @@ pub struct Coordinator {
     pub(crate) stations: Vec<StationState>,
     /// By cell: no battery lasts from a station there and back. Empty before the start.
     pub(crate) out_of_range: Vec<bool>,
+    /// Cells beside which robots have joined: what can be got to from there is within reach.
+    pub(crate) joined_in: BTreeSet<Cell>,
     pub(crate) state: MissionState,
     pub(crate) replanning: Replanning,
     pub(crate) announcer: Announcer,
@@ -80,12 +90,15 @@ impl Coordinator {
         let mut coordinator = Self {
             ledger: Ledger::new(Arc::clone(&floor), required),
             zones: Zones::new(floor.lattice().len()),
+            passages: Passages::new(&floor),
+            pieces: floor.pieces(),
             announcer: Announcer::new(&config),
             floor,
             robots,
             by_id,
             stations,
             out_of_range: Vec::new(),
+            joined_in: BTreeSet::new(),
             state: MissionState::Created,
             replanning: Replanning::default(),
             started: None,
@@ -199,6 +212,16 @@ impl Coordinator {
             .lattice()
             .index(cell)
             .is_some_and(|index| self.floor.is_drivable(index) && !self.zones.holds(index))
+    }
+
+    /// What ways lead over now.
+    pub(crate) fn roads(&self) -> Roads<'_> {
+        Roads { floor: &self.floor, passages: &self.passages, zones: Some(&self.zones) }
+    }
+
+    /// The same, as if no ground were closed.
+    pub(crate) fn roads_as_if_open(&self) -> Roads<'_> {
+        Roads { zones: None, ..self.roads() }
     }
 
     pub(crate) fn publish(out: &mut Vec<Output>, publication: Publication) {

@@ -2,7 +2,8 @@
 //!
 //! A mission ends COMPLETED only when every cell that a tool can reach is swept. While a robot can reach an open
 //! cell, it is planned again (a residual pass). Open cells behind zones are looked at again, later and later,
-//! up to `looks_max` times a zone; only then are they given up, each with its reason.
+//! up to `looks_max` times a zone; only then are they given up, each with its reason. Planners keep to one piece of
+//! the lattice: into another one that is left, a robot is sent by a passage, and covers it from within.
 
 use crate::{
     Coordinator, Output,
@@ -18,11 +19,13 @@ use protocol::{
     Timestamp,
     v1::{EventLevel, MissionState, ReplanCause, UnreachableReason},
 };
-use std::time::Duration;
-use terrain::{Cell, Segment};
+use std::{collections::BTreeMap, time::Duration};
+use terrain::{Cell, Point, Segment};
 
 /// A residual pass that covers nothing twice in a row shows that what is left cannot be swept.
 const FRUITLESS_MAX: u32 = 2;
+/// A robot is sent so often in vain into a piece of the lattice that has something left.
+const SENT_INTO_MAX: u32 = 3;
 /// First wait before a zone is looked at again; doubled after each look.
 const LOOK_AGAIN_S: f64 = 15.0;
 /// From so near a scan shows whether a cell is free, metres.
@@ -54,6 +57,11 @@ pub(crate) struct IdleChecks {
     progress: (f64, f64),
     progress_at: Timestamp,
     covered_at: Timestamp,
+    /// How often in a row a robot was sent into each piece of the lattice in vain, and what was covered before.
+    sent_into: BTreeMap<u32, u32>,
+    covered_before_sent: f64,
+    /// Whether another piece to go to was looked for since something last changed.
+    searched: bool,
 }
 
 impl IdleChecks {
@@ -61,11 +69,13 @@ impl IdleChecks {
     pub(crate) fn new_ground(&mut self) {
         self.fruitless = 0;
         self.looked = None;
+        self.searched = false;
     }
 
     /// The planner had nothing to plan at this moment.
     pub(crate) fn look_at(&mut self, now: Timestamp) {
         self.looked = Some(now);
+        self.searched = false;
     }
 }
 
@@ -104,6 +114,7 @@ impl Coordinator {
             if !missing.is_empty() {
                 text = format!("{text}, without {}", missing.join(", "));
             }
+            self.name_what_is_out_of_reach(now);
             self.name_what_is_out_of_range(now);
             self.need_plan(now, Cause::fleet(ReplanCause::CauseStart, &text));
         }
@@ -182,6 +193,8 @@ impl Coordinator {
         if !tried && !self.coverers().is_empty() && self.residual_may_help() {
             let text = format!("{} cells left", self.ledger.open_cells().count());
             self.need_plan(now, Cause::fleet(ReplanCause::CauseResidual, &text));
+        } else if self.go_where_work_is_left(now) {
+            // It covers that when it is there.
         } else if self.somebody_comes_back() {
             // Charging robots take up the rest.
         } else if self.look_at_zones(now) || self.zones_still_wait(now) {
@@ -189,6 +202,64 @@ impl Coordinator {
         } else if self.has_healthy_robot() {
             self.give_up_the_rest(now);
         }
+    }
+
+    /// Sends a robot into another piece of the lattice where something is left, the nearest one; whether one is on its way.
+    fn go_where_work_is_left(&mut self, now: Timestamp) -> bool {
+        let idle = self.idle_coverers();
+        if self.passages.is_empty() || idle.is_empty() || self.idle_checks.searched {
+            return false;
+        }
+        self.idle_checks.searched = true;
+        self.forget_sent_if_covered();
+        let best = idle
+            .into_iter()
+            .filter_map(|robot| Some((robot, self.way_to_other_work(robot)?)))
+            .min_by_key(|(_, way)| way.len());
+        let Some((robot, way)) = best else { return false };
+        let goal = way[way.len() - 1];
+        let piece = self.floor.lattice().index(goal).map(|index| self.pieces[index]);
+        *self.idle_checks.sent_into.entry(piece.expect("a way keeps to the lattice")).or_default() += 1;
+        self.send_along(robot, &way, None, Ending::Stay);
+        self.idle_checks.new_ground();
+        let text = format!("to cell {goal}, where no plan leads");
+        let id = self.robots[robot].id.clone();
+        self.announcer.event(now, EventLevel::EventInfo, &id, "GOES", &text);
+        true
+    }
+
+    /// Something was covered since a robot was last sent: it was not in vain.
+    fn forget_sent_if_covered(&mut self) {
+        let covered = self.ledger.progress().covered_m2;
+        if covered > self.idle_checks.covered_before_sent + 1e-9 {
+            self.idle_checks.sent_into.clear();
+        }
+        self.idle_checks.covered_before_sent = covered;
+    }
+
+    /// The way to the nearest cell that must be visited in a piece of the lattice other than the robot's.
+    fn way_to_other_work(&self, robot: RobotIndex) -> Option<Vec<Cell>> {
+        let from = self.start_cell(robot)?;
+        let (lattice, pieces) = (self.floor.lattice(), &self.pieces);
+        let here = pieces[lattice.index(from)?];
+        let sent = |piece: u32| self.idle_checks.sent_into.get(&piece).copied().unwrap_or(0);
+        let moves = way::moves_to(self.roads(), &[from], |cell| self.is_open_ground(cell));
+        let elsewhere: Vec<bool> = (0..pieces.len())
+            .map(|index| {
+                moves[index] != u32::MAX && pieces[index] != here && sent(pieces[index]) < SENT_INTO_MAX
+            })
+            .collect();
+        let wanted = self.stands_for_all(&elsewhere);
+        let is_wanted = |cell: Cell| lattice.index(cell).is_some_and(|index| wanted[index]);
+        way::nearest(self.roads(), from, is_wanted, |cell| self.is_open_ground(cell))
+    }
+
+    /// Robots that can cover and have nothing to do.
+    fn idle_coverers(&self) -> Vec<RobotIndex> {
+        let is_idle = |&robot: &RobotIndex| {
+            self.robots[robot].errand == Errand::Cover && self.robots[robot].route.is_done()
+        };
+        self.coverers().into_iter().filter(is_idle).collect()
     }
 
     fn residual_may_help(&mut self) -> bool {
@@ -255,12 +326,8 @@ impl Coordinator {
     }
 
     fn send_to_look(&mut self, now: Timestamp, zone: u64) -> bool {
-        let idle: Vec<RobotIndex> = self
-            .coverers()
-            .into_iter()
-            .filter(|&robot| self.robots[robot].errand == Errand::Cover && self.robots[robot].route.is_done())
-            .collect();
-        let best = idle
+        let best = self
+            .idle_coverers()
             .into_iter()
             .filter_map(|robot| Some((robot, self.way_to_look(robot, zone)?)))
             .min_by_key(|(_, way)| way.len());
@@ -271,8 +338,7 @@ impl Coordinator {
             }
             return false;
         };
-        let begins_at_base_end = self.robots[robot].route.base_end().is_some_and(|node| node.cell.is_some());
-        self.send_along(robot, &way[usize::from(begins_at_base_end)..], None, Ending::Stay);
+        self.send_along(robot, &way, None, Ending::Stay);
         self.robots[robot].errand = Errand::Look(zone);
         let id = self.robots[robot].id.clone();
         self.announcer.event(
@@ -285,20 +351,24 @@ impl Coordinator {
         true
     }
 
-    /// The way to the nearest cell from which a cell of a zone can be seen.
+    /// The way to the nearest cell from which a cell of a zone can be seen; none at all where there is no such cell
+    /// and the robot sees one from where it stands, as in a passage.
     fn way_to_look(&self, robot: RobotIndex, zone: u64) -> Option<Vec<Cell>> {
         let from = self.start_cell(robot)?;
         let lattice = self.floor.lattice();
         let zone = self.zones.iter().find(|other| other.id == zone)?;
         let centers: Vec<_> = zone.cells.iter().map(|&index| lattice.center(lattice.cell(index))).collect();
-        let sees = |cell: Cell| {
-            let eye = lattice.center(cell);
+        let sees = |eye: Point, reach_m: f64| {
             centers.iter().any(|&center| {
-                (center - eye).norm() <= LOOK_FROM_M
+                (center - eye).norm() <= reach_m
                     && self.config.mission.map.capsule_is_free(Segment::new(eye, center), 0.02)
             })
         };
-        way::nearest(&self.floor, from, sees, |cell| self.is_open_ground(cell))
+        let is_lookout = |cell: Cell| sees(lattice.center(cell), LOOK_FROM_M);
+        let way = way::nearest(self.roads(), from, is_lookout, |cell| self.is_open_ground(cell));
+        let scan = self.robots[robot].state.as_ref().and_then(|state| state.scan.as_ref());
+        let reach_m = scan.map_or(0.0, |scan| scan.range_max_m - self.floor.body_radius_m());
+        way.or_else(|| self.robots[robot].position().filter(|&eye| sees(eye, reach_m)).map(|_| Vec::new()))
     }
 
     fn zones_still_wait(&self, _now: Timestamp) -> bool {
@@ -327,7 +397,7 @@ impl Coordinator {
         }
         let starts: Vec<Cell> =
             self.robots.iter().filter_map(|robot| lattice.cell_at(robot.position()?)).collect();
-        let at_all = way::moves_to(&self.floor, &starts, |_| true);
+        let at_all = way::moves_to(self.roads_as_if_open(), &starts, |_| true);
         let neighbours_reached = |cell: Cell| {
             (-1..=1).flat_map(|dx| (-1..=1).map(move |dy| (dx, dy))).any(|(dx, dy)| {
                 let near = Cell::new(cell.x + dx, cell.y + dy);
@@ -405,7 +475,7 @@ impl Coordinator {
                 let from = self.start_cell(index);
                 let (Some(from), Some(goal)) = (from, goal) else { return false };
                 let open = |cell| self.is_open_ground(cell);
-                let Some(way) = way::nearest(&self.floor, from, |cell| cell == goal, open) else {
+                let Some(way) = way::nearest(self.roads(), from, |cell| cell == goal, open) else {
                     return false;
                 };
                 self.send_along(index, &way, Some(home), Ending::Stay);
@@ -417,8 +487,11 @@ impl Coordinator {
     }
 
     fn finish(&mut self, now: Timestamp) {
-        let gaps = self.ledger.gaps();
-        self.state = if gaps.is_empty() { MissionState::Completed } else { MissionState::CompletedWithGaps };
+        self.state = if self.missed_cells().is_empty() {
+            MissionState::Completed
+        } else {
+            MissionState::CompletedWithGaps
+        };
         self.conclude(now, "");
     }
 

@@ -36,6 +36,9 @@ pub(crate) enum Status {
 pub(crate) struct Ledger {
     floor: Arc<Floor>,
     required: Vec<u64>,
+    /// Samples that no robot gets to.
+    out_of_reach: Vec<u64>,
+    out_of_reach_samples: u64,
     raster: SweptRaster,
     status: Vec<Status>,
     counts: [u32; 6],
@@ -75,11 +78,44 @@ impl Ledger {
             dirty: (0..lattice.len() as u32).collect(),
             is_dirty: vec![true; lattice.len()],
             delta_sequence: 0,
+            out_of_reach: vec![0; lattice.len()],
+            out_of_reach_samples: 0,
             floor,
             required,
             status,
             counts,
         }
+    }
+
+    /// Says which samples of each cell no robot gets to. A cell of which nothing else is missing is UNREACHABLE from now on;
+    /// one that was so until now, and is within reach, is open again.
+    pub(crate) fn set_out_of_reach(&mut self, samples: Vec<u64>) {
+        self.out_of_reach = samples;
+        let beyond = (0..self.status.len()).map(|index| self.unswept(index) & self.out_of_reach[index]);
+        self.out_of_reach_samples = beyond.map(|samples| u64::from(samples.count_ones())).sum();
+        for index in 0..self.status.len() {
+            match self.status[index] {
+                Status::Unreachable(UnreachableReason::TooNarrow) if self.is_open(index) => {
+                    self.set(index, Status::Unassigned);
+                }
+                _ => self.leave_out_of_reach(index),
+            }
+        }
+    }
+
+    /// An open cell of which only samples are missing that no robot gets to is UNREACHABLE.
+    fn leave_out_of_reach(&mut self, index: usize) {
+        let is_open = matches!(self.status[index], Status::Unassigned | Status::Assigned(_) | Status::Lost);
+        if is_open && self.missing(index) == 0 && self.unswept(index) != 0 {
+            self.set(index, Status::Unreachable(UnreachableReason::TooNarrow));
+        }
+    }
+
+    /// Whether a cell is UNREACHABLE because no robot gets to what is missing of it.
+    pub(crate) fn is_out_of_reach(&self, index: usize) -> bool {
+        self.status[index] == Status::Unreachable(UnreachableReason::TooNarrow)
+            && self.missing(index) == 0
+            && self.unswept(index) != 0
     }
 
     /// What is known of the cell with this number.
@@ -92,8 +128,13 @@ impl Ledger {
         self.missing(index) != 0
     }
 
-    /// The samples of a cell that can be swept and are not.
+    /// The samples of a cell that a robot gets to, and that are not swept.
     pub(crate) fn missing(&self, index: usize) -> u64 {
+        self.unswept(index) & !self.out_of_reach[index]
+    }
+
+    /// The samples of a cell that a tool in the right place would sweep, and that are not swept.
+    pub(crate) fn unswept(&self, index: usize) -> u64 {
         self.required[index] & !self.raster.samples(index)
     }
 
@@ -110,8 +151,10 @@ impl Ledger {
         self.raster.sweep(segment, radius_m, |index| touched.push(index));
         let mut completed = 0;
         for index in touched {
-            let whole = self.missing(index) == 0 && self.required[index] != 0;
-            if whole && !matches!(self.status[index], Status::Covered(_)) {
+            let whole = self.unswept(index) == 0 && self.required[index] != 0;
+            if !whole {
+                self.leave_out_of_reach(index);
+            } else if !matches!(self.status[index], Status::Covered(_)) {
                 self.covered_samples += u64::from(self.required[index].count_ones());
                 self.set(index, Status::Covered(robot));
                 completed += 1;
@@ -248,11 +291,12 @@ impl Ledger {
             cells_lost: self.counts[5],
             cells_total: self.status.len() as u32,
             untouchable_m2: self.untouchable_m2,
+            out_of_reach_m2: area(self.out_of_reach_samples),
         }
     }
 
     /// Cells that were given up, by reason.
-    pub(crate) fn gaps(&self) -> Vec<(usize, UnreachableReason)> {
+    pub(crate) fn given_up(&self) -> Vec<(usize, UnreachableReason)> {
         (0..self.status.len())
             .filter_map(|index| match self.status[index] {
                 Status::Unreachable(reason) => Some((index, reason)),
@@ -368,6 +412,36 @@ mod tests {
         assert_eq!(next.runs.len(), 1);
         assert_eq!((next.runs[0].column, next.runs[0].length), (3, 2));
         assert_eq!(next.runs[0].serial_number, "r2");
+    }
+
+    #[test]
+    fn what_nobody_gets_to_is_left_out_and_comes_back() {
+        let mut ledger = ledger();
+        let mut beyond = vec![0; 15];
+        (beyond[10], beyond[11]) = (u64::MAX, 0xff << 56);
+        let missing = ledger.missing(11);
+        ledger.set_out_of_reach(beyond);
+        assert!(ledger.is_out_of_reach(10) && !ledger.open_cells().any(|open| open == 10));
+        assert!(ledger.status(11) == Status::Unassigned && ledger.missing(11) == missing & !(0xff << 56));
+        let area_m2 = ledger.progress().out_of_reach_m2;
+        assert!((area_m2 - 72.0 / 64.0 * 0.25).abs() < 1e-9, "{area_m2}");
+        ledger.set_out_of_reach(vec![0; 15]);
+        assert!((ledger.status(10), ledger.missing(11)) == (Status::Unassigned, missing));
+        assert_eq!(all(&ledger.progress()), 15);
+    }
+
+    #[test]
+    fn a_cell_swept_as_far_as_anybody_gets_is_not_covered_but_done() {
+        let mut ledger = ledger();
+        let mut beyond = vec![0; 15];
+        beyond[0] = 0xff << 56;
+        ledger.set_out_of_reach(beyond);
+        // A tool that is moved by a little less than its rim.
+        ledger.sweep(0, Segment::new(at(0.0, 0.18), at(0.5, 0.18)), 0.28);
+        assert_eq!(ledger.unswept(0) & !(0xff << 56), 0);
+        assert!(ledger.is_out_of_reach(0), "{:?}", ledger.status(0));
+        ledger.sweep(0, Segment::new(at(0.0, 0.25), at(0.5, 0.25)), 0.355);
+        assert_eq!(ledger.status(0), Status::Covered(0));
     }
 
     #[test]

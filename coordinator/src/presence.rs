@@ -199,6 +199,7 @@ impl Coordinator {
             _ => "joined",
         };
         if self.mission_began.is_some() {
+            self.look_who_gets_where(now, index);
             self.need_plan(now, Cause::of(ReplanCause::CauseRobotJoined, index, text));
         } else {
             let at = format!("at ({:.1}, {:.1}) m", position.x, position.y);
@@ -464,6 +465,7 @@ impl Coordinator {
         let map = &self.config.mission.map;
         self.cell_beside(point, |way| self.conflict(index, way).is_none())
             .or_else(|| self.floor.nearest_drivable(map, point))
+            .or_else(|| self.end_of_passage(point))
     }
 
     /// The open cell nearest to a point to which a body can drive straight from there on an `allowed` way: with the

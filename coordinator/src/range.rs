@@ -8,7 +8,7 @@ use protocol::{
     Timestamp,
     v1::{EventLevel, UnreachableReason},
 };
-use terrain::{Cell, Point, SweptRaster};
+use terrain::SweptRaster;
 
 impl Coordinator {
     /// Gives up what is out of range, and says so.
@@ -19,7 +19,7 @@ impl Coordinator {
         if robots.is_empty() || stations.is_empty() {
             return;
         }
-        let moves = way::moves_to(&self.floor, &stations, |_| true);
+        let moves = way::moves_to(self.roads_as_if_open(), &stations, |_| true);
         self.out_of_range = (0..moves.len())
             .map(|index| {
                 let known = self.floor.is_drivable(index) && moves[index] != u32::MAX;
@@ -42,9 +42,8 @@ impl Coordinator {
 
     fn one_way_percent(&self, energy: &Energy, moves: &[u32], cell: usize) -> f64 {
         let lattice = self.floor.lattice();
-        let way = way::down(&self.floor, moves, lattice.cell(cell)).unwrap_or_default();
-        let places: Vec<Point> = way.iter().map(|&cell: &Cell| lattice.center(cell)).collect();
-        energy.along_percent(&places, None, false)
+        let way = way::down(self.roads_as_if_open(), moves, lattice.cell(cell)).unwrap_or_default();
+        energy.along_percent(&self.points_along(&way), None, false)
     }
 
     fn give_up_out_of_range(&mut self, now: Timestamp) {

@@ -408,6 +408,16 @@ impl Coordinator {
         visit
     }
 
+    /// Row-major: cells among `stands` that robots should pass so that all that is open gets swept, as far as it can be
+    /// from there.
+    pub(crate) fn stands_for_all(&self, stands: &[bool]) -> Vec<bool> {
+        let mut visit = vec![false; stands.len()];
+        for stand in self.ledger.open_cells().flat_map(|index| self.stands_for(index, stands)) {
+            visit[stand] |= self.is_in_range(stand);
+        }
+        visit
+    }
+
     /// The reachable cells to stand in so that what is missing of a cell gets swept, as far as it can be from there.
     fn stands_for(&self, index: usize, reachable: &[bool]) -> Vec<usize> {
         if self.floor.is_drivable(index) {
@@ -573,6 +583,9 @@ impl Coordinator {
         }
         let begins_there = points.first().is_some_and(|&first| (first - end).norm() < 1e-6);
         way.extend(points.iter().skip(usize::from(begins_there)));
+        let bends = self.start_cell(robot).map_or_else(Vec::new, |cell| self.bends_to(end, cell));
+        let on_lattice = on_lattice && bends.is_empty();
+        way.splice(0..0, bends);
         let places = if on_lattice { self.places_at(&way) } else { self.places_along(end, &way) };
         let robot = &mut self.robots[robot];
         robot.errand = Errand::Cover;

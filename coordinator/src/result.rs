@@ -15,7 +15,8 @@ impl Coordinator {
             mission_id: self.config.mission.id.clone(),
             mission_state: self.state.into(),
             progress: Some(self.ledger.progress()),
-            gaps: self.gaps(),
+            gaps: self.parts(self.missed_cells()),
+            out_of_reach: self.parts_out_of_reach(),
             duration_s: self.mission_began.map_or(0.0, |began| now.secs_since(began)),
             replans: self.replanning.plans.saturating_sub(1),
             robots_lost: self.robots_lost,
@@ -24,11 +25,11 @@ impl Coordinator {
         }
     }
 
-    /// Given-up cells gathered by reason and place: neighbours belong to one gap.
-    fn gaps(&self) -> Vec<v1::Gap> {
+    /// Given-up cells gathered by reason and place: neighbours belong to one part.
+    pub(crate) fn parts(&self, cells: Vec<(usize, UnreachableReason)>) -> Vec<v1::Gap> {
         let lattice = self.floor.lattice();
-        let mut left: BTreeMap<usize, UnreachableReason> = self.ledger.gaps().into_iter().collect();
-        let mut gaps = Vec::new();
+        let mut left: BTreeMap<usize, UnreachableReason> = cells.into_iter().collect();
+        let mut parts = Vec::new();
         while let Some((&first, &reason)) = left.iter().next() {
             left.remove(&first);
             let (mut stack, mut cells) = (vec![first], Vec::new());
@@ -42,18 +43,18 @@ impl Coordinator {
                     }
                 }
             }
-            gaps.push(self.gap(&cells, reason));
+            parts.push(self.part(&cells, reason));
         }
-        gaps
+        parts
     }
 
-    fn gap(&self, cells: &[usize], reason: UnreachableReason) -> v1::Gap {
+    fn part(&self, cells: &[usize], reason: UnreachableReason) -> v1::Gap {
         let lattice = self.floor.lattice();
         let sum = cells
             .iter()
             .fold(terrain::Vector::zeros(), |sum, &cell| sum + lattice.center(lattice.cell(cell)).coords);
         let centre = sum / cells.len() as f64;
-        let samples: u64 = cells.iter().map(|&cell| u64::from(self.ledger.missing(cell).count_ones())).sum();
+        let samples: u64 = cells.iter().map(|&cell| u64::from(self.ledger.unswept(cell).count_ones())).sum();
         let area_m2 = terrain::SweptRaster::area_m2(lattice, samples);
         v1::Gap {
             reason: reason.into(),

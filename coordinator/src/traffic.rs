@@ -277,13 +277,13 @@ impl Coordinator {
             self.is_open_ground(cell)
                 && others.iter().all(|held| held.distance_to_point(center) >= separation)
         };
-        let Some(aside) = way::nearest(&self.floor, from, clear, open) else { return false };
+        let Some(aside) = way::nearest(self.roads(), from, clear, open) else { return false };
         let end = self.robots[index].route.base_end().copied();
         let beside = end.filter(|end| end.cell.is_none());
-        let back: Vec<Cell> = aside.iter().rev().skip(1).copied().collect();
+        let back: Vec<Cell> = aside.iter().rev().copied().collect();
         let rest: Vec<Waypoint> = self.robots[index].route.horizon().copied().collect();
         let ending = self.robots[index].route.ending().clone();
-        let mut places = self.places(&aside[usize::from(beside.is_none())..]);
+        let mut places = self.places_from_base(index, &aside);
         let spot = self.robots[index].route.released() + places.len() as u64;
         if !rest.is_empty() {
             places.extend(self.places(&back));
@@ -346,12 +346,11 @@ impl Coordinator {
         };
         let horizon: Vec<Waypoint> = self.robots[index].route.horizon().copied().collect();
         let Some((target, goal)) = self.where_to_join(from, &horizon, &others, open) else { return false };
-        let Some(around) = way::nearest(&self.floor, from, |cell| cell == goal, open) else { return false };
-        let beside = self.robots[index].route.base_end().is_some_and(|end| end.cell.is_none());
-        if around.len() < 2 && !beside {
+        let Some(around) = way::nearest(self.roads(), from, |cell| cell == goal, open) else { return false };
+        let mut places = self.places_from_base(index, &around);
+        if places.is_empty() {
             return false;
         }
-        let mut places = self.places(&around[usize::from(!beside)..]);
         let joined = usize::from(horizon[target].cell == Some(goal));
         places.extend(horizon[target + joined..].iter().copied());
         let ending = self.robots[index].route.ending().clone();
@@ -405,11 +404,6 @@ impl Coordinator {
         true
     }
 
-    /// Cells as places of a route; the tool is on where something is left to sweep.
-    pub(crate) fn places(&self, cells: &[Cell]) -> Vec<Waypoint> {
-        cells.iter().map(|&cell| self.place(cell)).collect()
-    }
-
     /// A cell as a place of a route: the tool is on where something is missing, in it or beside it where nobody can stand.
     pub(crate) fn place(&self, cell: Cell) -> Waypoint {
         let lattice = self.floor.lattice();
@@ -424,15 +418,15 @@ impl Coordinator {
         Waypoint { point, cell: Some(cell), tool_active }
     }
 
-    /// Sends a robot over cells, then on to an ending.
+    /// Sends a robot along a way that begins in its start cell, then on to an ending.
     pub(crate) fn send_along(
         &mut self,
         index: RobotIndex,
-        cells: &[Cell],
+        way: &[Cell],
         tail: Option<Point>,
         ending: Ending,
     ) {
-        let mut places = self.places(cells);
+        let mut places = self.places_from_base(index, way);
         places.extend(tail.map(|point| Waypoint { point, cell: None, tool_active: false }));
         let revision = self.replanning.revision();
         let robot = &mut self.robots[index];

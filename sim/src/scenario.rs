@@ -21,7 +21,6 @@ mod station;
 
 pub use check::SWEEP_TOLERANCE_M;
 pub use error::ScenarioError;
-pub(crate) use fleet::breadth_first_where;
 pub use fleet::{FleetTable, RobotEntry};
 pub use link::NetworkTable;
 pub use machine::{BatteryTable, ChargingTable, RobotTable};

@@ -69,7 +69,7 @@ fn a_furnished_flat() {
     covers("small_house.yaml", [0.17, 0.3, 0.3], [(15.725, 5.625), (11.425, 9.525)]);
 }
 
-/// A door of 0.5 m and a body of 0.6 m: the room behind ends as a gap, and the rest is covered.
+/// A door of 0.5 m and a body of 0.6 m: the room behind is named before the start, ends as a gap, and the rest is covered.
 #[test]
 fn a_room_behind_a_door_narrower_than_the_robot_is_named() {
     let rows =
@@ -89,6 +89,14 @@ fn a_room_behind_a_door_narrower_than_the_robot_is_named() {
     let [gap] = &result.gaps[..] else { panic!("{:?}", result.gaps) };
     let centre = gap.centre.expect("it is somewhere");
     assert!(gap.reason().as_str_name() == "TOO_NARROW" && centre.x_m > 4.5, "{gap:?}");
-    let covered = result.progress.expect("it has progress").covered_percent;
+    let progress = result.progress.expect("it has progress");
+    let covered = progress.covered_percent;
     assert!((45.0..55.0).contains(&covered), "{covered} %");
+    // Said before the first plan, too, and with the same area.
+    let text = outcome.transcript.text();
+    let said = text.find("OUT OF REACH").expect("it is said");
+    assert!(said < text.find("START").expect("it is planned"), "{text}");
+    let [part] = &result.out_of_reach[..] else { panic!("{:?}", result.out_of_reach) };
+    assert_eq!(part, gap);
+    assert!((progress.out_of_reach_m2 - gap.area_m2).abs() < 1e-9, "{} m²", progress.out_of_reach_m2);
 }

@@ -31,7 +31,7 @@ pub struct PlanReport {
     pub lower_bound_s: f64,
     /// Area that the tool sweeps from where the robots get to, square metres.
     pub coverable_m2: f64,
-    /// Area that the tool would sweep, but no robot gets there (a door is too narrow), square metres.
+    /// Area that the tool would sweep, but no moves of the lattice lead there (a door is too narrow), square metres.
     pub out_of_reach_m2: f64,
     /// Free ground that the tool touches from no cell's centre, square metres.
     pub untouchable_m2: f64,
@@ -134,7 +134,7 @@ impl fmt::Display for PlanReport {
         if self.out_of_reach_m2 > 0.0 {
             writeln!(
                 f,
-                "out of reach {:.1} m² behind passages too narrow for the body",
+                "out of reach {:.1} m² behind ways too narrow for the body",
                 self.out_of_reach_m2
             )?;
         }

@@ -225,6 +225,27 @@ impl Floor {
         Direction::ALL.into_iter().filter(move |&way| self.can_move(cell, way)).map(move |way| cell.step(way))
     }
 
+    /// Row-major: number of the piece that a cell belongs to, which moves hold together; `u32::MAX` where no body can stand.
+    pub fn pieces(&self) -> Vec<u32> {
+        let mut pieces = vec![u32::MAX; self.lattice.len()];
+        let mut count = 0;
+        for first in self.lattice.cells() {
+            let mut stack = vec![first];
+            let before = count;
+            while let Some(cell) = stack.pop() {
+                let Some(index) = self.lattice.index(cell).filter(|&index| self.drivable[index]) else {
+                    continue;
+                };
+                if pieces[index] == u32::MAX {
+                    pieces[index] = before;
+                    count = before + 1;
+                    stack.extend(self.neighbours(cell));
+                }
+            }
+        }
+        pieces
+    }
+
     /// The samples of a cell that can be swept and must be.
     pub fn required(&self, index: usize) -> u64 {
         self.required[index]

@@ -3,8 +3,8 @@
 use super::verdict::{BatteryFigures, CoverageFigures, GapFigures, Verdict, Violation};
 use super::{ContactFigures, Judge};
 use protocol::v1;
-use std::collections::{BTreeMap, BTreeSet, VecDeque};
-use terrain::{Cell, Segment, SweptRaster};
+use std::collections::BTreeMap;
+use terrain::{Cell, Passages, Segment, SweptRaster};
 
 /// The share of what the tool can reach in a cell that must have been swept where the cell is claimed.
 const SHARE_MIN: f64 = 0.99;
@@ -96,27 +96,28 @@ impl Judge {
                     comparison.unproven.push(cell);
                     comparison.unproven_samples += u64::from((required & !reported).count_ones());
                 }
-            } else if required & reachable.samples(index) != 0 {
+            } else if is_gap(required, reachable.samples(index), truly & reported) {
                 comparison.gaps.push((cell, reason_of(claim)));
             }
         }
         comparison
     }
 
-    /// What the tool could reach from where the robots stood first; from anywhere, when nobody knows that.
+    /// What the tool could reach from where the robots stood first, by moves and passages; from anywhere, when nobody
+    /// knows that.
     fn reachable(&self) -> SweptRaster {
         let floor = &self.run.floor;
         let starts = self.starts.values().filter_map(|&start| floor.nearest_drivable(&self.run.map, start));
-        let mut queue: VecDeque<Cell> = starts.collect();
-        if queue.is_empty() {
-            queue.extend(floor.lattice().cells().filter(|&cell| floor.cell_is_drivable(cell)));
-        }
-        let mut seen: BTreeSet<Cell> = queue.iter().copied().collect();
+        let starts: Vec<Cell> = starts.collect();
+        let stands = if starts.is_empty() {
+            (0..floor.lattice().len()).map(|index| floor.is_drivable(index)).collect()
+        } else {
+            Passages::new(floor).reached(floor, starts, |_| true)
+        };
         let mut reached = SweptRaster::new(*floor.lattice());
-        while let Some(cell) = queue.pop_front() {
-            let center = floor.lattice().center(cell);
+        for index in (0..stands.len()).filter(|&index| stands[index]) {
+            let center = floor.lattice().center(floor.lattice().cell(index));
             reached.sweep(Segment::new(center, center), floor.tool_width_m() / 2.0, |_| {});
-            queue.extend(floor.neighbours(cell).filter(|&next| seen.insert(next)));
         }
         reached
     }
@@ -235,6 +236,13 @@ impl Judge {
     }
 }
 
+/// Whether a cell that is not claimed should have been: not so where some of it is out of reach, and all the rest was swept.
+fn is_gap(required: u64, reachable: u64, swept: u64) -> bool {
+    let is_cut_off = required & !reachable != 0;
+    let within = required & reachable;
+    within != 0 && !(is_cut_off && within & !swept == 0)
+}
+
 fn falls_short(swept: u64, required: u64) -> bool {
     f64::from(swept.count_ones()) < SHARE_MIN * f64::from(required.count_ones())
 }
@@ -262,4 +270,21 @@ fn gap_figures(gaps: &[(Cell, String)], cell_m: f64) -> Vec<GapFigures> {
     }
     let figures = |(reason, cells)| GapFigures { reason, cells, at_most_m2: cells as f64 * cell_m * cell_m };
     counts.into_iter().map(figures).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_unclaimed_cell_is_no_gap_when_only_what_is_out_of_reach_is_missing() {
+        let (required, reachable) = (0b1111, 0b0111);
+        assert!(!is_gap(required, reachable, 0b0111));
+        assert!(is_gap(required, reachable, 0b0011), "some of what is within reach was not swept");
+        assert!(
+            is_gap(required, required, required),
+            "all was within reach and swept: why is it not claimed?"
+        );
+        assert!(!is_gap(required, 0, 0), "nobody gets there");
+    }
 }

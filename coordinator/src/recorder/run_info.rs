@@ -90,6 +90,8 @@ pub(super) fn result_facts(result: &v1::MissionResult) -> BTreeMap<String, Strin
         ("overlap_ratio", progress.overlap_ratio.to_string()),
         ("gaps", result.gaps.len().to_string()),
         ("gaps_m2", result.gaps.iter().map(|gap| gap.area_m2).sum::<f64>().to_string()),
+        ("out_of_reach", result.out_of_reach.len().to_string()),
+        ("out_of_reach_m2", progress.out_of_reach_m2.to_string()),
         ("duration_s", result.duration_s.to_string()),
         ("planned_makespan_s", result.planned_makespan_s.to_string()),
         ("replans", result.replans.to_string()),

@@ -1,11 +1,11 @@
 //! L1: what healthy robots can reach at the end is covered. What "can reach" means is reckoned from the world
-//! alone: walls, obstacles and queues that are still there, machines that stand dead on the floor.
+//! alone, over moves of the lattice and passages: walls, obstacles and queues that are still there, machines that stand dead on the floor.
 
 use super::{Checker, Seen, for_each_cell};
-use crate::{people::PERSON_RADIUS_M, scenario::breadth_first_where, world::World};
+use crate::{people::PERSON_RADIUS_M, world::World};
 use coordinator::Publication;
 use protocol::v1::{CellStatus, MissionState};
-use terrain::{Cell, Point};
+use terrain::{Cell, Passages, Point};
 
 /// Ground this near to something that should not be there is nobody's duty, cells: the fleet keeps away from it
 /// by whole cells, and by what its scans have seen.
@@ -79,5 +79,6 @@ fn reachable(world: &World, healthy: &[bool]) -> Vec<Cell> {
         .zip(healthy)
         .filter(|(body, healthy)| body.on_floor && **healthy)
         .filter_map(|(body, _)| floor.nearest_drivable(&world.scenario.map, body.position()));
-    breadth_first_where(floor, starts.filter(|&cell| is_clear(cell)), is_clear)
+    let reached = Passages::new(floor).reached(floor, starts, is_clear);
+    floor.lattice().cells().zip(reached).filter(|&(_, reached)| reached).map(|(cell, _)| cell).collect()
 }

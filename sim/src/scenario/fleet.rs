@@ -90,26 +90,17 @@ fn largest_part(floor: &Floor) -> Vec<Cell> {
 }
 
 fn breadth_first(floor: &Floor, from: Cell) -> Vec<Cell> {
-    breadth_first_where(floor, std::iter::once(from), |_| true)
-}
-
-/// The cells that can be reached from some, nearest first, by cells that are open.
-pub(crate) fn breadth_first_where(
-    floor: &Floor,
-    from: impl Iterator<Item = Cell>,
-    is_open: impl Fn(Cell) -> bool,
-) -> Vec<Cell> {
     let lattice = floor.lattice();
     let mut seen = vec![false; lattice.len()];
     let mut order: Vec<Cell> = Vec::new();
     let mut reach = |cell: Cell, order: &mut Vec<Cell>| {
         let index = lattice.index(cell).expect("on the lattice");
-        if !seen[index] && is_open(cell) {
+        if !seen[index] {
             seen[index] = true;
             order.push(cell);
         }
     };
-    from.for_each(|cell| reach(cell, &mut order));
+    reach(from, &mut order);
     let mut next = 0;
     while let Some(&cell) = order.get(next) {
         next += 1;
