@@ -51,6 +51,46 @@ mod tests {
     use crate::{Battery, BreakOff, Instance, Mode, Plan, Route, Start, Station, test_motion::MOTION};
     use terrain::{Cell, Floor, Lattice, MotionModel, Point};
 
+    /// Knows no way from places near one of the lattice.
+    struct Blind<'a> {
+        ways: super::AlongLattice<'a>,
+        nook: Point,
+    }
+
+    impl super::Homeward for Blind<'_> {
+        fn way(&mut self, place: Point, station: usize) -> Option<Vec<Point>> {
+            let is_seen = (place - self.nook).norm() > 0.6;
+            is_seen.then(|| self.ways.way(place, station)).flatten()
+        }
+    }
+
+    #[test]
+    fn a_nook_without_a_way_is_left_along_the_line() {
+        let lattice = Lattice { origin: Point::origin(), cell_m: 0.5, columns: 12, rows: 1 };
+        let floor = Floor::from_cells(lattice, &[true; 12], 0.177, 0.75);
+        let place = |column: i32| lattice.center(Cell::new(column, 0));
+        let start = Start::at(Cell::new(0, 0));
+        let mut instance = Instance::whole_floor(&floor, vec![start], MOTION, Mode::CoverAndReturn);
+        instance.stations = vec![Station::at(Cell::new(0, 0))];
+        let there: Vec<Point> = (0..11).map(place).collect();
+        let back: Vec<Point> = (1..12).rev().map(place).collect();
+        let once = [there, back].concat();
+        let there_and_back_s = instance.path_s(&once, None);
+        let points = [&once[..], &once, &[place(0)]].concat();
+        for break_off in [BreakOff::Latest, BreakOff::Optimal] {
+            let battery = Battery { break_off, ..Battery::lasting_s(1.3 * there_and_back_s) };
+            instance.battery = Some(battery);
+            for nook in [0, 6, 11] {
+                let plan = Plan { routes: vec![Route::new(points.clone())] };
+                let work = super::Work::new(&instance, &plan);
+                let mut ways = Blind { ways: super::AlongLattice::new(&instance), nook: place(nook) };
+                let charged = super::charged(&instance, &battery, plan, work, &mut ways).unwrap();
+                assert!(!charged.routes[0].charges.is_empty(), "{break_off:?} {nook}");
+                assert!(crate::verify(&instance, &charged).is_ok(), "{break_off:?} {nook}: {charged:?}");
+            }
+        }
+    }
+
     /// A wavy line: at full acceleration, driving through bends takes longer than stopping to turn.
     #[test]
     fn charges_hold_on_lines_of_many_bends() {

@@ -132,11 +132,7 @@ impl fmt::Display for PlanReport {
         writeln!(f, "planned in   {:.3} s", self.planning_s)?;
         writeln!(f, "coverable    {:.1} m²", self.coverable_m2)?;
         if self.out_of_reach_m2 > 0.0 {
-            writeln!(
-                f,
-                "out of reach {:.1} m² behind ways too narrow for the body",
-                self.out_of_reach_m2
-            )?;
+            writeln!(f, "out of reach {:.1} m² behind ways too narrow for the body", self.out_of_reach_m2)?;
         }
         writeln!(
             f,

@@ -41,7 +41,15 @@ impl<'a> Line<'a> {
         let stations = 0..instance.stations.len();
         let mut ways =
             |&point: &Point| stations.clone().map(|station| homeward.way(point, station)).collect();
-        let ways = points.iter().map(&mut ways).collect();
+        let mut ways: Vec<Vec<Option<Vec<Point>>>> = points.iter().map(&mut ways).collect();
+        for station in stations.clone() {
+            for at in 1..points.len() {
+                lead_along(&mut ways, &points, station, at, at - 1);
+            }
+            for at in (1..points.len()).rev() {
+                lead_along(&mut ways, &points, station, at - 1, at);
+            }
+        }
         Self { instance, robot, points, is_between, works, ways }
     }
 
@@ -193,6 +201,19 @@ impl<'a> Line<'a> {
         let cell = self.instance.floor.lattice().cell_at(place).expect("a route stays on the floor");
         let needed_s = battery.capacity_s + found.takes_s - found.lasts_s;
         PlanError::OutOfRange { cell, place, capacity_s: battery.capacity_s, needed_s }
+    }
+}
+
+/// A place in a nook from which no way was found gets the one of the place beside it on the line.
+fn lead_along(
+    ways: &mut [Vec<Option<Vec<Point>>>],
+    points: &[Point],
+    station: usize,
+    at: usize,
+    beside: usize,
+) {
+    if let (None, Some(way)) = (&ways[at][station], &ways[beside][station]) {
+        ways[at][station] = Some(std::iter::once(points[at]).chain(way.iter().copied()).collect());
     }
 }
 
