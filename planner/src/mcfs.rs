@@ -38,6 +38,7 @@ mod drive;
 mod gaps;
 mod joining;
 mod joint;
+mod line;
 mod near;
 mod polygon_instance;
 mod sharing;
@@ -56,6 +57,7 @@ pub(crate) use straightening::straightened;
 use crate::{Plan, Route};
 use drive::{Drives, Neighbours};
 use gaps::Gaps;
+use line::Line;
 use sharing::{Share, Sharing};
 use smoothing::Smoothing;
 use swept_counts::SweptCounts;
@@ -181,6 +183,7 @@ fn lines_along(
     let walls = Walls::new(instance);
     let mut web = Web::new(tracks, instance.tool_width_m);
     joining::join(&mut web, &walls);
+    let mut web = Web::new(&smooth_tours(instance, &web, &walls, worth), instance.tool_width_m);
     let neighbours = Neighbours::new(&web, &walls);
     let drives: Vec<Option<Drives>> =
         instance.starts.iter().map(|&start| Drives::new(&web, &neighbours, &walls, start)).collect();
@@ -222,6 +225,21 @@ fn lines_along(
     Some(best)
 }
 
+/// The closed lines of a web, smoothed.
+fn smooth_tours(instance: &PolygonInstance, web: &Web, walls: &Walls, worth: &GroundWorth) -> Vec<Track> {
+    let closed = |line: Vec<u32>| {
+        let mut points: Vec<Point> = line.iter().map(|&place| web.at[place as usize]).collect();
+        points.push(points[0]);
+        Line::all_new(points)
+    };
+    let tours = web.closed_lines().into_iter().map(closed).collect();
+    let open = |mut corners: Vec<Point>| {
+        corners.pop();
+        Track { depth: 0, corners }
+    };
+    polished(instance, walls, worth, tours).lines.into_iter().map(open).collect()
+}
+
 /// The shares as lines from the starts and back, smoothed; shares that are as before keep their lines.
 fn smoothed(
     instance: &PolygonInstance,
@@ -230,32 +248,39 @@ fn smoothed(
     worth: &GroundWorth,
     before: Option<(&[Share], &Cover)>,
 ) -> Cover {
-    let mut lines: Vec<Vec<Point>> = instance.starts.iter().map(|&start| vec![start]).collect();
-    let mut is_new = vec![false; lines.len()];
-    for (robot, &start) in instance.starts.iter().enumerate() {
-        let own = |shares: &'_ [Share]| -> Vec<Share> {
-            shares.iter().filter(|share| share.robot == robot).cloned().collect()
-        };
-        let trips = own(shares);
-        if let Some((_, cover)) = before.filter(|(before, _)| own(before) == trips) {
-            lines[robot].clone_from(&cover.lines[robot]);
-        } else if let Some(drives) = &sharing.drives[robot] {
-            // Lines that could not be joined: one trip each.
-            for trip in &trips {
-                let points = round_trip(sharing.web, sharing.walls, drives, trip, start);
-                lines[robot].extend(points.into_iter().skip(1));
-                is_new[robot] = true;
+    let own = |shares: &'_ [Share], robot: usize| -> Vec<Share> {
+        shares.iter().filter(|share| share.robot == robot).cloned().collect()
+    };
+    let line = |(robot, &start): (usize, &Point)| {
+        let trips = own(shares, robot);
+        if let Some((_, cover)) = before.filter(|(before, _)| own(before, robot) == trips) {
+            return Line::as_before(cover.lines[robot].clone());
+        }
+        let mut line = Line::as_before(vec![start]);
+        // Lines that could not be joined: one trip each.
+        for trip in &trips {
+            if let Some(drives) = &sharing.drives[robot] {
+                round_trip(sharing.web, sharing.walls, drives, trip, &mut line);
             }
         }
-    }
+        line
+    };
+    let lines = instance.starts.iter().enumerate().map(line).collect();
+    polished(instance, sharing.walls, worth, lines)
+}
+
+/// Smooths lines, visits the gaps they leave, and gives up ground that is not worth its way.
+fn polished(instance: &PolygonInstance, walls: &Walls, worth: &GroundWorth, lines: Vec<Line>) -> Cover {
     let mut swept = SweptCounts::new(&instance.ground, instance.tool_width_m);
-    for pair in lines.iter().flat_map(|line| line.windows(2)) {
+    for pair in lines.iter().flat_map(|line| line.points.windows(2)) {
         swept.put_in(pair[0], pair[1]);
     }
-    let (walls, width_m) = (sharing.walls, instance.tool_width_m);
+    let width_m = instance.tool_width_m;
     let (ground_worth, turn_worth) = (worth.before, TURN_WORTH);
+    let quiet = lines.iter().map(Line::quiet).collect();
+    let mut lines: Vec<Vec<Point>> = lines.into_iter().map(|line| line.points).collect();
     Smoothing { swept: &mut swept, walls, width_m, ground_worth, turn_worth, least_coverage: 0.0 }
-        .smooth(&mut lines, &is_new);
+        .smooth(&mut lines, quiet);
     if swept.coverage() < worth.plenty {
         let ground_worth = worth.before / GAP_DISCOUNT;
         Gaps { swept: &mut swept, walls, width_m, ground_worth }.visit(&mut lines);
@@ -263,11 +288,12 @@ fn smoothed(
     for ground_worth in worth.beyond {
         let (turn_worth, least_coverage) = (worth.turn_beyond, worth.plenty);
         if swept.coverage() > least_coverage {
+            let quiet = lines.iter().map(|line| vec![false; line.len()]).collect();
             Smoothing { swept: &mut swept, walls, width_m, ground_worth, turn_worth, least_coverage }
-                .smooth(&mut lines, &is_new);
+                .smooth(&mut lines, quiet);
         }
     }
-    for line in lines.iter_mut().zip(&is_new).map(|(line, _)| line) {
+    for line in &mut lines {
         tips::round_tips(line, walls, width_m);
     }
     Cover { coverage: swept.coverage(), lines }
@@ -277,19 +303,22 @@ fn length_m(line: &[Point]) -> f64 {
     line.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum()
 }
 
-/// From the start into a closed line where that is shortest, along it, and back.
-fn round_trip(web: &Web, walls: &Walls, drives: &Drives, share: &Share, start: Point) -> Vec<Point> {
-    let line = &share.line;
-    let after = |at: usize| line[(at + 1) % line.len()];
+/// Goes on from the start into a closed line where that is shortest, along it, and back.
+fn round_trip(web: &Web, walls: &Walls, drives: &Drives, share: &Share, line: &mut Line) {
+    let places = &share.line;
+    let start = line.points[0];
+    let after = |at: usize| places[(at + 1) % places.len()];
     let detour_m = |at: usize| {
-        let (place, next) = (line[at], after(at));
+        let (place, next) = (places[at], after(at));
         drives.distance_m[place as usize] + drives.distance_m[next as usize] - web.distance_m(place, next)
     };
-    let leaves = (0..line.len()).min_by(|&a, &b| detour_m(a).total_cmp(&detour_m(b))).unwrap_or(0);
-    let mut points = drives.way(web, walls, start, after(leaves));
-    points.extend((2..=line.len()).map(|step| web.at[line[(leaves + step) % line.len()] as usize]));
-    points.extend(drives.way(web, walls, start, line[leaves]).into_iter().rev().skip(1));
-    points
+    let leaves = (0..places.len()).min_by(|&a, &b| detour_m(a).total_cmp(&detour_m(b))).unwrap_or(0);
+    line.drive(drives.way(web, walls, start, after(leaves)));
+    for step in 1..places.len() {
+        let (from, to) = (after(leaves + step - 1), after(leaves + step));
+        line.go(web.at[to as usize], !web.is_stretch(from, to));
+    }
+    line.drive(drives.way(web, walls, start, places[leaves]).into_iter().rev().collect());
 }
 
 /// The tracks of full coverage with their numbers from the walls inwards, ground on the left: isolines for the paper's

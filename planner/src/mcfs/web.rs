@@ -10,7 +10,7 @@ use super::walls::Walls;
 use terrain::{Point, Vector};
 
 /// Places are at most so many tool widths apart.
-const SPACING: f64 = 0.5;
+pub(super) const SPACING: f64 = 0.5;
 /// Headings are taken over about so many tool widths.
 const HEADING_OVER: f64 = 0.9;
 /// Links up to so many tool widths are stretches of a track.
@@ -210,6 +210,11 @@ impl Web {
     /// Whether a link is a stretch of a track.
     pub(super) fn is_short(&self, a: u32, b: u32) -> bool {
         self.distance_m(a, b) <= SHORT * self.width_m
+    }
+
+    /// Whether a place follows another one on their track.
+    pub(super) fn is_stretch(&self, a: u32, b: u32) -> bool {
+        self.way_between_m(a, b) <= (1.0 + 1e-6) * SPACING * self.width_m
     }
 
     pub(super) fn apply(&mut self, exchange: Exchange) {
