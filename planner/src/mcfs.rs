@@ -1,8 +1,9 @@
 //! Smooth coverage of polygons by many robots: connected Fermat spirals, cut at any length.
 //!
 //! ```text
-//!   PolygonInstance ──▶ tracks ──▶ one closed line ──▶ k closed lines ──▶ smoothed ──▶ Plan (from each start and back)
-//!                      offsets     exchanges of links   chords            ground stays swept
+//!   PolygonInstance ──▶ tracks ──▶ one closed line ──▶ smoothed ──▶ k closed lines ──▶ smoothed ──▶ Plan
+//!                      offsets     exchanges of links   ground       chords            near cuts    from each start
+//!                                                       stays swept                                and back
 //! ```
 //!
 //! **Problem.** A polygon with holes of area A, k robots at given starts, a round tool of width l. Sweep the ground
@@ -12,12 +13,13 @@
 //! **Idea.** Closed *tracks* lie at (i − ½)·l from the walls, each offset from the polygon itself, and thin ones fill
 //! what the innermost tracks leave. Two links between places side by side are *exchanged* against two others: that
 //! joins two closed lines, and where it costs least way and turning (at corners, at ends of pockets, beside an earlier
-//! joint) it turns tracks into the two arms of a Fermat spiral. The same exchange within one line, a *chord*, cuts it
-//! at any length into two; k − 1 chords share the line out, and pairs of neighbours are joined and cut again, or hand
-//! a part over, until line and drives are even. Then every line is smoothed: stretches give way to straight ones and
-//! bends while way + turning + ground lost becomes less, so that jogs of neighbouring arms become slants. Gaps that are
-//! left are visited by detours that are worth it; where plenty is swept, what costs most way and turning for its ground
-//! is given up again; tips are rounded. Shares are evened out anew by the lengths that came of it.
+//! joint) it turns tracks into the two arms of a Fermat spiral. The line is smoothed: stretches give way to straight
+//! ones and bends while way + turning + ground lost becomes less, so that jogs of neighbouring arms become slants. Gaps
+//! that are left are visited by detours that are worth it; where plenty is swept, what costs most way and turning for
+//! its ground is given up again. An exchange within one line, a *chord*, cuts it at any length into two; k − 1 chords
+//! share the line out, and pairs of neighbours are joined and cut again, or hand a part over, until line and drives are
+//! even. The shares are smoothed near the cuts, tips are rounded, and shares are evened out anew by the lengths that
+//! came of it.
 //!
 //! **Guarantee.** Lines keep the body's radius from every wall (each link, chord, drive and shortcut is tested against
 //! the walls themselves). One line per piece of ground that some robot reaches. None on makespan; the bound is

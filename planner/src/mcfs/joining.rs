@@ -54,7 +54,9 @@ pub(super) fn join(web: &mut Web, walls: &Walls) {
 fn in_the_largest(web: &Web, lines: &mut DisjointSets) -> Vec<bool> {
     let roots: Vec<u32> = (0..web.len() as u32).map(|place| lines.find(place)).collect();
     let mut places = vec![0_u32; web.len()];
-    roots.iter().for_each(|&root| places[root as usize] += 1);
+    for &root in &roots {
+        places[root as usize] += 1;
+    }
     let largest = (0..web.len() as u32).max_by_key(|&root| places[root as usize]);
     roots.into_iter().map(|root| Some(root) == largest).collect()
 }

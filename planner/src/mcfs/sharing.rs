@@ -140,12 +140,9 @@ impl Sharing<'_> {
             (0..shares.len()).flat_map(|a| (0..a).map(move |b| (b, a))).collect();
         let costs: Vec<f64> = shares.iter().map(|share| self.cost_m(share)).collect();
         order.sort_by(|&(a, b), &(c, d)| costs[c].max(costs[d]).total_cmp(&costs[a].max(costs[b])));
-        // The longest line gets no shorter by what two short ones gain.
-        let long_m = (1.0 + EVEN) * costs.iter().sum::<f64>() / costs.len() as f64;
         for (a, b) in order {
-            let is_short = self.cost_m(&shares[a]).max(self.cost_m(&shares[b])) <= long_m;
             let is_even = stay_worth > 0.0 && self.are_even(&shares[a], &shares[b]);
-            if is_short || is_even || settled.contains(&(a, b)) {
+            if is_even || settled.contains(&(a, b)) {
                 continue;
             }
             let evened = self.even_pair(shares, a, b, stay_worth);

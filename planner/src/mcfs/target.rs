@@ -30,7 +30,7 @@ const RASTER_ERROR: f64 = 8e-4;
 pub(super) fn cover_share(instance: &PolygonInstance, options: &McfsOptions, target: f64) -> Option<Cover> {
     let trials = LEAST_YIELDS.into_iter().filter_map(|least_yield| {
         let search = Search { instance, options, target, least_yield };
-        search.nearest().and_then(|(first_m, trial)| search.refined(first_m, trial))
+        search.nearest().map(|(first_m, trial)| search.refined(first_m, trial))
     });
     let best = trials.min_by(|a, b| a.makespan_m().total_cmp(&b.makespan_m()));
     best.or_else(|| super::whole(instance, options))
@@ -76,7 +76,7 @@ impl Search<'_> {
 
     /// Plans a trial in full, and moves the tracks on while enough is swept. Each time with all that the tracks sweep,
     /// and with what is beyond the share given up.
-    fn refined(&self, mut near_m: f64, mut best: Cover) -> Option<Cover> {
+    fn refined(&self, mut near_m: f64, mut best: Cover) -> Cover {
         let mut step_m = self.rim_m(self.spare(&best).max(0.0));
         for round in 0..=REFINEMENTS {
             let first_m = if round == 0 { near_m } else { near_m + step_m };
@@ -94,7 +94,7 @@ impl Search<'_> {
                 (near_m, step_m) = (first_m, self.rim_m(spare));
             }
         }
-        Some(best)
+        best
     }
 
     fn lines(&self, first_m: f64, options: &McfsOptions) -> Option<Cover> {
