@@ -253,7 +253,8 @@ mod tests {
     /// `RANDOM_INSTANCES=10000 cargo test -p planner leaves_no_gap` for a long run.
     fn random_instances() -> ProptestConfig {
         let asked = std::env::var("RANDOM_INSTANCES").ok().and_then(|count| count.parse().ok());
-        ProptestConfig::with_cases(asked.unwrap_or(60))
+        // Shrinking plans with all planners again and again: a small instance soon is better than the smallest late.
+        ProptestConfig { cases: asked.unwrap_or(60), max_shrink_iters: 500, ..ProptestConfig::default() }
     }
 
     #[test]

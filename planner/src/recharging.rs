@@ -45,3 +45,46 @@ fn charged<'a>(
     }
     Ok(plan)
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::{Battery, BreakOff, Instance, Mode, Plan, Route, Start, Station, test_motion::MOTION};
+    use terrain::{Cell, Floor, Lattice, MotionModel, Point};
+
+    /// A wavy line: at full acceleration, driving through bends takes longer than stopping to turn.
+    #[test]
+    fn charges_hold_on_lines_of_many_bends() {
+        let lattice = Lattice { origin: Point::origin(), cell_m: 0.5, columns: 40, rows: 8 };
+        let floor = Floor::from_cells(lattice, &[true; 320], 0.177, 0.75);
+        let motion = MotionModel {
+            acceleration_m_per_s2: f64::INFINITY,
+            angular_acceleration_rad_per_s2: f64::INFINITY,
+            ..MOTION
+        };
+        let start = Start::at(Cell::new(0, 4));
+        let mut instance = Instance::whole_floor(&floor, vec![start], motion, Mode::CoverAndReturn);
+        instance.visit.fill(false);
+        instance.visit[39 * 4] = true;
+        instance.stations = vec![Station::at(Cell::new(0, 4))];
+        let wave = |number: u32| {
+            let aside_m = if number.is_multiple_of(2) { 0.06 } else { -0.06 };
+            Point::new(0.25 + 0.4 * f64::from(number), 2.25 + aside_m)
+        };
+        let place = instance.center(Cell::new(0, 4));
+        let out: Vec<Point> = std::iter::once(place).chain((1..48).map(wave)).collect();
+        let points = [&out[..], &out.iter().rev().skip(1).copied().collect::<Vec<_>>()].concat();
+        let there_and_back = instance.path_s(&points, None);
+        let points = points.repeat(3);
+        for share in 0..12 {
+            let lasts_s = there_and_back * (1.02 + 0.03 * f64::from(share));
+            instance.battery = Some(Battery { break_off: BreakOff::Latest, ..Battery::lasting_s(lasts_s) });
+            let plan = Plan { routes: vec![Route::new(points.clone())] };
+            let charged = super::with_charges(&instance, plan).unwrap();
+            for stretch in charged.routes[0].stretches() {
+                let takes_s = instance.path_s(stretch, None);
+                assert!(takes_s <= lasts_s + 1e-6, "{takes_s} {lasts_s}");
+            }
+            assert!(!charged.routes[0].charges.is_empty());
+        }
+    }
+}

@@ -178,13 +178,9 @@ impl<'a> Workshop<'a> {
         let finish_s: Vec<f64> = self.finish_times()?;
         let ends: Vec<Cell> = (0..self.sequences.len()).map(|robot| self.end_of(robot)).collect();
         let legs: Vec<Vec<u32>> = ends.iter().map(|&end| moves_from(self.instance, end)).collect();
-        let total_s: f64 = pieces.iter().map(|piece| 1.5 * self.move_s * piece.len() as f64).sum();
-        let latest_s = finish_s.iter().copied().fold(0.0, f64::max);
-        let far_s = legs.iter().flatten().filter(|&&moves| moves != u32::MAX).max().copied().unwrap_or(0);
-        let mut high_s =
-            latest_s + total_s * 2.0 + 2.0 * f64::from(far_s) * self.move_s * (pieces.len() + 1) as f64;
-        let mut low_s = finish_s.iter().copied().fold(f64::INFINITY, f64::min);
         let dealer = Dealer { workshop: self, pieces, finish_s: &finish_s, ends: &ends, legs: &legs };
+        let mut high_s = dealer.enough_s();
+        let mut low_s = finish_s.iter().copied().fold(f64::INFINITY, f64::min);
         let mut best = dealer.deal(high_s).ok_or(PlanError::Unreachable(pieces[0][0]))?;
         for _ in 0..BISECTIONS {
             let middle_s = f64::midpoint(low_s, high_s);
@@ -250,6 +246,18 @@ struct Dealer<'a> {
 }
 
 impl Dealer<'_> {
+    /// A bound with which any one robot could take all the pieces it can get to.
+    fn enough_s(&self) -> f64 {
+        let latest_s = self.finish_s.iter().copied().fold(0.0, f64::max);
+        let steps = self.pieces.iter().flat_map(|piece| piece.windows(2));
+        let inside_s: f64 = steps.map(|pair| self.step_s(pair[0], pair[1])).sum();
+        let lattice = self.workshop.instance.floor.lattice();
+        let straight = DETOUR * f64::from(lattice.columns + lattice.rows);
+        let reached = self.legs.iter().flatten().filter(|&&moves| moves != u32::MAX);
+        let longest = reached.fold(straight, |longest, &moves| longest.max(f64::from(moves)));
+        latest_s + inside_s + (self.pieces.len() + 1) as f64 * longest * self.workshop.move_s
+    }
+
     /// What each robot drives in addition; `None` when the bound is too small.
     fn deal(&self, bound_s: f64) -> Option<Vec<Vec<Cell>>> {
         let mut left: Vec<VecDeque<Cell>> =
@@ -315,5 +323,27 @@ impl Dealer<'_> {
     /// From one cell of a piece to the next: turns are reckoned as a share of the moves.
     fn step_s(&self, from: Cell, to: Cell) -> f64 {
         1.5 * f64::from(from.manhattan(to)) * self.workshop.move_s
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::repair;
+    use crate::{Instance, Mode, Start, test_motion::MOTION};
+    use terrain::{Cell, Floor, Lattice, Point};
+
+    /// A piece that goes to and fro between two columns: long for its cells, and for how far they are.
+    #[test]
+    fn one_robot_takes_a_piece_that_jumps_at_each_step() {
+        let lattice = Lattice { origin: Point::origin(), cell_m: 0.5, columns: 6, rows: 8 };
+        let floor = Floor::from_cells(lattice, &[true; 48], 0.177, 0.75);
+        let mut instance =
+            Instance::whole_floor(&floor, vec![Start::at(Cell::new(0, 0))], MOTION, Mode::Cover);
+        let piece: Vec<Cell> = (0..16).map(|number| Cell::new(number % 2 * 5, number / 2)).collect();
+        instance.visit = lattice.cells().map(|cell| piece.contains(&cell)).collect();
+        instance.incumbent = vec![Vec::new()];
+        instance.orphans = vec![piece];
+        let repaired = repair(&instance);
+        assert!(matches!(repaired, Ok(Some(_))), "{repaired:?}");
     }
 }

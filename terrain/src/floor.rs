@@ -15,6 +15,9 @@ use crate::{
 use std::sync::Arc;
 use thiserror::Error;
 
+/// Who is so near to the line between two cells is on it, metres.
+const ON_LINE_M: f64 = 1e-6;
+
 /// The most cells a lattice may have.
 pub const CELLS_MAX: u64 = 16 << 20;
 
@@ -187,12 +190,19 @@ impl Floor {
         map_is_free && (self.map.is_some() || self.cells_are_joined(segment))
     }
 
+    /// Who is on the line between two cells is in both: where the move between them is closed, that line is a wall, and nobody
+    /// gets through it by going to it on one side and off it on the other.
     fn cells_are_joined(&self, segment: Segment) -> bool {
         let cells = self.lattice.cells_along(segment);
-        cells.iter().all(|&cell| self.cell_is_drivable(cell))
+        cells.iter().all(|&cell| self.cell_is_drivable(cell) && self.keeps_off_closed_sides(cell, &segment))
             && cells.windows(2).all(|pair| {
                 Direction::between(pair[0], pair[1]).is_some_and(|way| self.can_move(pair[0], way))
             })
+    }
+
+    fn keeps_off_closed_sides(&self, cell: Cell, segment: &Segment) -> bool {
+        let mut closed = Direction::ALL.into_iter().filter(|&way| !self.can_move(cell, way));
+        closed.all(|way| self.lattice.side(cell, way).distance(segment) >= ON_LINE_M)
     }
 
     /// Whether the body can stand at the centre of the cell with this number.
@@ -423,6 +433,22 @@ mod tests {
         let map = GridMap::from_drawing(drawing, 0.5).unwrap();
         let wide = Floor::new(&map, 0.5, 0.26, 0.75);
         assert!(wide.is_err_and(|error| matches!(error, FloorError::NothingDrivable { .. })));
+    }
+
+    #[test]
+    fn nobody_gets_through_a_thin_wall_by_way_of_a_point_on_it() {
+        let lattice = Lattice { origin: Point::origin(), cell_m: 0.5, columns: 1, rows: 2 };
+        let mut floor = Floor::from_cells(lattice, &[true; 2], 0.1, 0.5);
+        let [below, above] = [0.25, 0.75].map(|y| Point::new(0.25, y));
+        assert!(floor.segment_is_free(Segment::new(below, above)));
+        floor.close_move(Cell::new(0, 0), Direction::North);
+        let is_free = |from, to| floor.segment_is_free(Segment::new(from, to));
+        for y in [0.5, 0.5 - 1e-12, 0.5 + 1e-12] {
+            let on_wall = Point::new(0.25, y);
+            assert!(!is_free(below, on_wall) && !is_free(on_wall, above), "{y}");
+            assert!(!is_free(on_wall, Point::new(0.3, y)), "{y}");
+        }
+        assert!(is_free(below, Point::new(0.25, 0.49)));
     }
 
     #[test]

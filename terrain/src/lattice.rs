@@ -1,6 +1,6 @@
 //! The lattice of square cells that is laid over a map: the only place where cells and metres are converted.
 
-use crate::{Cell, Point, Segment};
+use crate::{Cell, Direction, Point, Segment, Vector};
 
 /// Square cells over the map: cell (0, 0) has its lower left corner at `origin`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -92,6 +92,15 @@ impl Lattice {
             .collect();
         cells.dedup();
         cells
+    }
+
+    /// The side of a cell towards a neighbour, in the frame of the map, metres; the cell may lie outside the lattice.
+    pub fn side(&self, cell: Cell, towards: Direction) -> Segment {
+        let (dx, dy) = towards.offset();
+        let half_m = self.cell_m / 2.0;
+        let middle = self.center(cell) + Vector::new(f64::from(dx), f64::from(dy)) * half_m;
+        let along = Vector::new(-f64::from(dy), f64::from(dx)) * half_m;
+        Segment::new(middle - along, middle + along)
     }
 
     /// The cells whose squares touch the box between two corners, clipped to the lattice.

@@ -1,30 +1,59 @@
 //! The paper's Fig. 5 on our floors: total coverage time from ten stations, planner by planner and battery by battery, with a
 //! paired test. Each planner plans once from each station, without a battery; the same tour is then broken off to charge for
-//! each capacity, where that costs least.
+//! each capacity, where that costs least. Whoever sweeps more takes longer, so lanes are planned twice: for what all are asked
+//! for, and for no less than what the baseline has swept.
 
 use super::{MAPS, evaluator::Evaluator, floor_plan::FloorPlan};
 use crate::{
     BenchmarkError, Options, Picture, Progress, Table, content,
     plot::{Bar, BarPanel, BarPlot},
     tables::{mean, ratio, tenths},
+    task::Outcome,
 };
 use planner::{Battery, Instance, PlanError, Station, recharge};
 use std::path::Path;
 
-/// Ours first, then the paper's, then what it compares with.
-const PLANNERS: [&str; 5] =
-    ["boustrophedon-lanes", "boustrophedon", BASELINE, "bc-sweep-vertical", "bc-sweep-horizontal"];
-/// All others are compared with this one, station by station.
-const BASELINE: &str = "bc-sweep-hybrid";
-/// Share of the ground that each plan has to sweep.
+/// The baseline, ours, the paper's, and what it compares with.
+const ROWS: [Row; 6] = [
+    Row { name: "bc-sweep-hybrid", planner: "bc-sweep-hybrid", asked: Asked::Share },
+    Row { name: "boustrophedon-lanes", planner: "boustrophedon-lanes", asked: Asked::Share },
+    Row {
+        name: "boustrophedon-lanes, as much ground",
+        planner: "boustrophedon-lanes",
+        asked: Asked::AsBaseline,
+    },
+    Row { name: "boustrophedon", planner: "boustrophedon", asked: Asked::Share },
+    Row { name: "bc-sweep-vertical", planner: "bc-sweep-vertical", asked: Asked::Share },
+    Row { name: "bc-sweep-horizontal", planner: "bc-sweep-horizontal", asked: Asked::Share },
+];
+/// All others are compared with this row, station by station.
+const BASELINE: usize = 0;
+/// Share of the ground that each plan is asked for, by the measure of verify.
 const COVERAGE: f64 = 0.98;
+/// So many plans are tried until one sweeps, by the evaluator's measure, what the baseline has swept.
+const TRIES: u32 = 4;
 /// The floors on which ten stations take minutes, not hours.
 const FLOORS: usize = 5;
 
 /// Lanes are planned without effort: it is many stations that count here, not the last per cent.
 const EFFORT: u32 = 0;
 
-/// What came of one planner on one map with one capacity.
+/// A planner, and what it is asked for.
+#[derive(Debug, Clone, Copy)]
+struct Row {
+    name: &'static str,
+    planner: &'static str,
+    asked: Asked,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Asked {
+    Share,
+    /// What the baseline has swept from the same station, or hardly more.
+    AsBaseline,
+}
+
+/// What came of one row on one map with one capacity.
 #[derive(Debug, Default)]
 struct Sample {
     time_s: Vec<f64>,
@@ -42,11 +71,12 @@ pub(super) fn run(
     let mut table = Table::new(
         "indoor_stations",
         "Total coverage time from ten stations (Fig. 5)",
-        "One robot from a station and back, every plan asked for 98 % of the ground (what lanes leave out is swept on side trips); \
-         mean and deviation over the stations. λ: seconds of operation, a charger at the station, charging itself free as in \
-         the paper; break points by dynamic programming on the tour of λ = ∞, for all planners alike. ÷ hybrid: mean of the \
-         ratios to `bc-sweep-hybrid` from the same station. p: two-sided paired t-test against it. Planned without effort; \
-         CPU of planning for λ = ∞, or of breaking off.",
+        "One robot from a station and back, every plan asked for 98 % of the ground by the measure of verify (what lanes leave \
+         out is swept on side trips); *as much ground*: asked for just what `bc-sweep-hybrid` has swept from the same station, \
+         or hardly more. Mean and deviation over the stations. λ: seconds of operation, a charger at the station, charging \
+         itself free as in the paper; break points by dynamic programming on the tour of λ = ∞, for all planners alike. \
+         ÷ hybrid: mean of the ratios to `bc-sweep-hybrid` from the same station. p: two-sided paired t-test against it. \
+         Coverage: by the evaluator. Planned without effort; CPU of planning for λ = ∞, or of breaking off.",
         &[
             "map",
             "λ s",
@@ -70,10 +100,9 @@ pub(super) fn run(
         let mut groups = Vec::new();
         for (number, &capacity_s) in floor_plan.capacities_s.iter().enumerate() {
             let of_capacity: Vec<&Sample> = samples.iter().map(|of_planner| &of_planner[number]).collect();
-            let baseline = PLANNERS.iter().position(|&name| name == BASELINE).expect("it is one of them");
             let word = capacity_s.map_or("∞".to_owned(), |capacity_s| format!("{capacity_s:.0}"));
-            for (planner, sample) in PLANNERS.iter().zip(&of_capacity) {
-                table.push(row([map, &word, planner], sample, of_capacity[baseline]));
+            for (row, sample) in ROWS.iter().zip(&of_capacity) {
+                table.push(cells([map, &word, row.name], sample, of_capacity[BASELINE]));
             }
             let bar =
                 |sample: &&Sample| Bar { mean: mean(&sample.time_s), deviation: deviation(&sample.time_s) };
@@ -85,47 +114,77 @@ pub(super) fn run(
     let plot = BarPlot {
         title: "Total coverage time, s: mean and deviation over the stations".to_owned(),
         unit: "s".to_owned(),
-        series: PLANNERS.map(str::to_owned).to_vec(),
+        series: ROWS.map(|row| row.name.to_owned()).to_vec(),
         panels,
     };
     table.pictures.push(Picture::new(
         "indoor_stations",
-        "Total coverage time of five planners on five floors",
+        "Total coverage time of six rows on five floors",
         plot.svg(),
     ));
     Ok(vec![table])
 }
 
-/// By planner, and by capacity in the order of the floor plan.
+/// By row, and by capacity in the order of the floor plan.
 fn measure(floor_plan: &FloorPlan, most: usize, progress: Progress<'_>) -> Result<Vec<Vec<Sample>>, String> {
     let evaluator = floor_plan.evaluator();
+    let stations = floor_plan.stations.len().min(most);
+    let mut of_baseline = vec![0.0; stations];
     let mut all = Vec::new();
-    for planner in PLANNERS {
+    for (number, row) in ROWS.iter().enumerate() {
         let mut samples: Vec<Sample> = floor_plan.capacities_s.iter().map(|_| Sample::default()).collect();
-        for station in 0..floor_plan.stations.len().min(most) {
-            progress(&format!("{}: {planner} from station {station}", floor_plan.name));
-            from_station(floor_plan, &evaluator, planner, station, &mut samples)
-                .map_err(|error| format!("{planner} from station {station}: {error}"))?;
+        for (station, of_baseline) in of_baseline.iter_mut().enumerate() {
+            progress(&format!("{}: {} from station {station}", floor_plan.name, row.name));
+            let failed = |error| format!("{} from station {station}: {error}", row.name);
+            let (made, coverage) =
+                planned(floor_plan, &evaluator, row, station, *of_baseline).map_err(failed)?;
+            if number == BASELINE {
+                *of_baseline = coverage;
+            }
+            for_each_capacity(floor_plan, &evaluator, station, &made, &mut samples).map_err(failed)?;
         }
         all.push(samples);
     }
     Ok(all)
 }
 
-/// Plans once, and breaks the tour off for each capacity.
-fn from_station(
+/// A plan without a battery, and what it sweeps by the evaluator's measure.
+fn planned(
     floor_plan: &FloorPlan,
     evaluator: &Evaluator<'_>,
-    planner: &str,
+    row: &Row,
     station: usize,
+    of_baseline: f64,
+) -> Result<(Outcome, f64), PlanError> {
+    let swept = |made: &Outcome| evaluator.judge(&made.plan.routes()[0].points).coverage;
+    let mut asked = if row.asked == Asked::Share { COVERAGE } else { of_baseline };
+    let mut made = floor_plan.plan(row.planner, station, asked, EFFORT)?;
+    let mut coverage = swept(&made);
+    for _ in 1..TRIES {
+        if row.asked == Asked::Share || coverage >= of_baseline {
+            break;
+        }
+        asked = (asked + 1.2 * (of_baseline - coverage) + 0.0005).min(1.0);
+        made = floor_plan.plan(row.planner, station, asked, EFFORT)?;
+        coverage = swept(&made);
+    }
+    Ok((made, coverage))
+}
+
+/// Breaks a plan off for each capacity.
+fn for_each_capacity(
+    floor_plan: &FloorPlan,
+    evaluator: &Evaluator<'_>,
+    station: usize,
+    made: &Outcome,
     samples: &mut [Sample],
 ) -> Result<(), PlanError> {
-    let made = floor_plan.plan(planner, station, COVERAGE, EFFORT)?;
     for (sample, &capacity_s) in samples.iter_mut().zip(&floor_plan.capacities_s) {
         let (plan, cpu_s) = match capacity_s {
             None => (Ok(made.plan.clone()), made.cpu_s),
             Some(capacity_s) => {
-                let instance = with_charger(floor_plan, station, capacity_s);
+                let share = made.plan.figures().coverage_ratio.min(COVERAGE) - 1e-6;
+                let instance = with_charger(floor_plan, station, capacity_s, share);
                 crate::cpu::timed(|| recharge(&instance, &made.plan))
             }
         };
@@ -139,21 +198,24 @@ fn from_station(
     Ok(())
 }
 
-/// As [`FloorPlan::plan`] has it, with a battery and a charger where the robot starts.
-fn with_charger(floor_plan: &FloorPlan, station: usize, capacity_s: f64) -> Instance<'_> {
-    let mut instance = floor_plan.instance(station, COVERAGE);
+/// As [`FloorPlan::plan`] has it, with a battery and a charger where the robot starts; `share` is what the plan sweeps at least.
+fn with_charger(floor_plan: &FloorPlan, station: usize, capacity_s: f64, share: f64) -> Instance<'_> {
+    let mut instance = floor_plan.instance(station, share);
     let start = &instance.starts[0];
     instance.stations = vec![Station { point: start.point, ..Station::at(start.cell) }];
     instance.battery = Some(Battery::lasting_s(capacity_s));
     instance
 }
 
-fn row(head: [&str; 3], sample: &Sample, baseline: &Sample) -> Vec<String> {
-    let planner = head[2];
+fn cells(head: [&str; 3], sample: &Sample, baseline: &Sample) -> Vec<String> {
     let pairs = || sample.time_s.iter().zip(&baseline.time_s);
     let ratios: Vec<f64> = pairs().map(|(own, other)| own / other).collect();
     let differences: Vec<f64> = pairs().map(|(own, other)| own - other).collect();
-    let p = if planner == BASELINE { String::new() } else { format!("{:.1e}", paired_p(&differences)) };
+    let p = if head[2] == ROWS[BASELINE].name {
+        String::new()
+    } else {
+        format!("{:.1e}", paired_p(&differences))
+    };
     let tail = vec![
         tenths(mean(&sample.time_s)),
         tenths(deviation(&sample.time_s)),

@@ -2,13 +2,15 @@
 //!
 //! A square of the map closes those places of a line that are nearer to it than the body's radius: a square with round
 //! corners, which is convex, so the closed part is one interval. Cells that are blocked (or not drivable, where there is
-//! no map) close the part of the line that lies in them.
+//! no map) close the part of the line that lies in them, and without a map so do their sides by which they cannot be left.
 
 use super::{ConfigurationSpace, TANGENT_M};
 use terrain::{Cell, Direction, GridMap, Point, Segment, Vector};
 
 /// Ends of open parts keep so far away from what closes them, metres.
 const MARGIN_M: f64 = 2e-6;
+/// The same where sides of cells close it: a slanting line comes near to a side long before it meets it.
+const SIDE_MARGIN_M: f64 = 1e-4;
 
 impl ConfigurationSpace<'_> {
     /// The open parts of a segment, as distances from its first end, in order.
@@ -38,27 +40,35 @@ impl ConfigurationSpace<'_> {
             }
             from_m = f64::max(from_m, end_m);
         }
+        // A margin along the line is none across it where the line all but runs along a side.
+        if self.instance.floor.map().is_none() && length_m > 0.0 {
+            let at = |way_m: f64| segment.from + (segment.to - segment.from) * (way_m / length_m);
+            open.retain(|part| self.instance.floor.segment_is_free(Segment::new(at(part.0), at(part.1))));
+        }
         open
     }
 
     fn closed_by_cells(&self, segment: Segment, closed: &mut Vec<(f64, f64)>) {
         let (floor, lattice) = (self.instance.floor, self.instance.floor.lattice());
         let length_m = segment.length();
+        let margin_m = if floor.map().is_some() { MARGIN_M } else { SIDE_MARGIN_M };
         let mut before: Option<Cell> = None;
         for (from_m, to_m) in pieces(segment, lattice.origin, lattice.cell_m) {
-            let middle =
-                segment.from + (segment.to - segment.from) * (f64::midpoint(from_m, to_m) / length_m);
-            let cell = lattice.cell_at(middle);
+            let at = |way_m: f64| segment.from + (segment.to - segment.from) * (way_m / length_m);
+            let cell = lattice.cell_at(at(f64::midpoint(from_m, to_m)));
+            // Without a map the sides of cells may be walls: those across are looked at below, these are beside the line.
+            let inner = || Segment::new(at(from_m + margin_m), at(to_m - margin_m));
             let open = cell.is_some_and(|cell| self.cell_is_open(cell))
-                && (floor.map().is_some() || cell.is_some_and(|cell| floor.cell_is_drivable(cell)));
+                && (floor.map().is_some()
+                    || to_m - from_m > 2.0 * margin_m && floor.segment_is_free(inner()));
             if !open {
-                closed.push((from_m - MARGIN_M, to_m + MARGIN_M));
+                closed.push((from_m - margin_m, to_m + margin_m));
             }
             if let (Some(before), Some(cell), true) = (before, cell, floor.map().is_none()) {
                 let joined = before == cell
                     || Direction::between(before, cell).is_some_and(|way| floor.can_move(before, way));
                 if !joined {
-                    closed.push((from_m - MARGIN_M, from_m + MARGIN_M));
+                    closed.push((from_m - margin_m, from_m + margin_m));
                 }
             }
             before = cell;

@@ -104,6 +104,7 @@ pub(super) fn cover(
         finish(&mut transfers, robot, route)?;
     }
     let mut plan = Plan { routes };
+    residual::drop_idle(instance, &mut plan);
     residual::visit_gaps(&mut transfers, &mut plan);
     Ok(plan)
 }
@@ -144,19 +145,11 @@ fn go(transfers: &mut Transfers<'_, '_>, points: &mut Vec<Point>, to: Point) -> 
     Ok(())
 }
 
-/// Back to the start where that is asked for; a robot that does nothing has no route. One that only stands in a cell to visit
-/// sweeps it.
+/// Back to the start where that is asked for.
 fn finish(transfers: &mut Transfers<'_, '_>, robot: usize, route: &mut Route) -> Result<(), PlanError> {
     let instance = transfers.space().instance();
     route.points.dedup_by(|a, b| (*a - *b).norm() < 1e-9);
-    if route.points.len() < 2 {
-        let start = instance.floor.lattice().index(instance.starts[robot].cell);
-        if start.is_none_or(|cell| !instance.visit[cell]) {
-            route.points.clear();
-        }
-        return Ok(());
-    }
-    if instance.mode == Mode::CoverAndReturn {
+    if route.points.len() > 1 && instance.mode == Mode::CoverAndReturn {
         go(transfers, &mut route.points, instance.place(&instance.starts[robot]))?;
         route.points.dedup_by(|a, b| (*a - *b).norm() < 1e-9);
     }
@@ -182,5 +175,28 @@ impl CellPath {
         let ends = self.ends();
         let height = |variant: usize| ends[variant].x + ends[variant].y;
         (0..4).min_by(|&a, &b| height(a).total_cmp(&height(b))).expect("there are four")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{Instance, Mode, PlanOptions, Start, plan, test_motion::MOTION};
+    use terrain::{Cell, Direction, Floor, Lattice, Point};
+
+    /// Two pieces of ground that touch at a thin wall, each with its robot.
+    #[test]
+    fn a_wall_between_two_cells_parts_them() {
+        let lattice = Lattice { origin: Point::origin(), cell_m: 0.5, columns: 2, rows: 4 };
+        let free = [true, true, true, false, true, true, true, false];
+        let mut floor = Floor::from_cells(lattice, &free, 0.177, 0.75);
+        floor.close_move(Cell::new(0, 1), Direction::North);
+        let starts = [Cell::new(0, 0), Cell::new(0, 2)].map(Start::at).to_vec();
+        let mut instance = Instance::whole_floor(&floor, starts, MOTION, Mode::Cover);
+        instance.visit = (0..8).map(|cell| cell % 2 == 0).collect();
+        for planner in ["boustrophedon", "bc-sweep-horizontal", "bc-sweep-vertical", "bc-sweep-hybrid"] {
+            let options = PlanOptions { planner: planner.to_owned(), ..PlanOptions::default() };
+            let planned = plan(&instance, &options);
+            assert!(planned.is_ok(), "{planner}: {planned:?}");
+        }
     }
 }

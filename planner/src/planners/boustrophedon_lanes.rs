@@ -25,13 +25,12 @@ mod splitting;
 
 use super::boustrophedon::residual;
 use crate::{
-    Instance, Mode, Plan, PlanError, PlanOptions, Route, VerifyError,
+    Instance, Mode, Plan, PlanError, PlanOptions, Route,
     configuration_space::ConfigurationSpace,
     ground::Ground,
     lane_tour::{LaneTour, Stop},
     minimum_lanes::{Orientation, ToolLattice},
     transfers::{Transfers, Way},
-    verify,
 };
 use placing::{Lines, Worth};
 use rand::SeedableRng as _;
@@ -74,12 +73,7 @@ pub(super) fn plan(instance: &Instance<'_>, options: &PlanOptions) -> Result<Pla
 /// Side trips for what is missing still, by the measure of verify.
 fn swept_whole(transfers: &mut Transfers<'_, '_>, plan: &mut Plan) {
     let instance = transfers.space().instance();
-    // Charges come later, or are there already: here it is what is swept that counts.
-    let without_battery = Instance { battery: None, ..instance.clone() };
-    let is_whole = |plan: &Plan| {
-        !matches!(verify(&without_battery, plan), Err(VerifyError::NotSwept { .. } | VerifyError::Gap(_)))
-    };
-    if is_whole(plan) {
+    if residual::is_whole(instance, plan) {
         return;
     }
     for (route, start) in plan.routes.iter_mut().zip(&instance.starts) {
@@ -89,16 +83,7 @@ fn swept_whole(transfers: &mut Transfers<'_, '_>, plan: &mut Plan) {
     }
     residual::sweep_the_rest(transfers, &mut plan.routes, instance.coverage_min);
     residual::visit_gaps(transfers, plan);
-    // A robot that stays where it is may sweep what is asked for there.
-    let mut without_idle = plan.clone();
-    without_idle
-        .routes
-        .iter_mut()
-        .filter(|route| route.points.len() < 2)
-        .for_each(|route| *route = Route::default());
-    if is_whole(&without_idle) {
-        *plan = without_idle;
-    }
+    residual::drop_idle(instance, plan);
 }
 
 /// Ground that some robots reach, and these.
@@ -171,8 +156,8 @@ impl<'p, 'a> Piece<'p, 'a> {
     /// Leaves out what is not worth it, and sweeps what is missing then.
     fn balance(&mut self, orientation: &Orientation, tour: &mut LaneTour<'p, 'a>, worth: &mut Worth) {
         sweep_tour(&mut self.ground, tour);
-        balancing::leave_out(tour, &mut self.ground, *worth);
         let (lines, goal) = (self.lines(orientation), self.goal());
+        balancing::leave_out(tour, &mut self.ground, *worth, goal);
         if let Some(per_s) = residue::sweep(tour, &mut self.ground, &lines, goal) {
             worth.per_s *= (per_s / worth.per_s).sqrt().clamp(0.7, 1.3);
         }

@@ -10,6 +10,8 @@ use terrain::{MotionModel, Point, angle_between};
 
 /// Places off the lattice are at most this many tool widths apart.
 const APART_TOOLS: f64 = 1.0;
+/// How often breaks are chosen anew, with more to spare, when a stretch takes longer than its places told.
+const TRIES: usize = 8;
 
 /// A line and what is known of its places.
 pub(super) struct Line<'a> {
@@ -43,14 +45,41 @@ impl<'a> Line<'a> {
         Self { instance, robot, points, is_between, works, ways }
     }
 
-    /// The route with its charges.
+    /// The route with its charges. What the places tell is exact but for bends that are driven through, which may take a
+    /// little longer than a stop to turn: then breaks are chosen again with more to spare.
     pub(super) fn charged(&self, battery: &Battery) -> Result<Route, PlanError> {
-        let tour = self.tour(battery);
-        let breaks = tour.breaks(battery.break_off).map_err(|found| self.out_of_range(battery, found))?;
-        Ok(self.route(&breaks, &tour))
+        let mut spare_s = 0.0;
+        let mut route = Route::default();
+        for _ in 0..TRIES {
+            let tour = self.tour(battery, spare_s);
+            let breaks = tour.breaks(battery.break_off).map_err(|found| self.out_of_range(battery, found))?;
+            route = self.route(&breaks, &tour);
+            let over_s = self.over_s(battery, &route);
+            if over_s <= 1e-7 {
+                break;
+            }
+            // Other breaks leave other bends to a stretch: what is to spare has to outgrow all of them.
+            spare_s = 2.0 * spare_s + over_s;
+        }
+        Ok(route)
     }
 
-    fn tour(&self, battery: &Battery) -> Tour {
+    /// How much longer the worst stretch takes than the battery lasts, seconds.
+    fn over_s(&self, battery: &Battery, route: &Route) -> f64 {
+        let over_s = |(number, points): (usize, &[Point])| {
+            let is_first = number == 0;
+            let lasts_s = if is_first { self.first_s(battery) } else { battery.budget_s() };
+            self.instance.path_s(points, self.start().heading_rad.filter(|_| is_first)) - lasts_s
+        };
+        route.stretches().enumerate().map(over_s).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Seconds that the battery lasts until the first charge.
+    fn first_s(&self, battery: &Battery) -> f64 {
+        self.start().charge_s.unwrap_or(f64::INFINITY).min(battery.capacity_s) - battery.reserve_s
+    }
+
+    fn tour(&self, battery: &Battery, spare_s: f64) -> Tour {
         let (instance, last) = (self.instance, self.points.len() - 1);
         let stations = 0..instance.stations.len();
         let (at_s, leaves_s) = self.times_s();
@@ -63,15 +92,14 @@ impl<'a> Line<'a> {
         };
         let home_s = |station| self.home_s(last, station);
         let nearest_s = stations.clone().map(home_s).fold(f64::INFINITY, f64::min);
-        let ramps_s = ramps_s(&instance.motion);
-        let left_s = self.start().charge_s.unwrap_or(f64::INFINITY).min(battery.capacity_s);
+        let spare_s = spare_s + ramps_s(&instance.motion);
         Tour {
             places: (0..last).map(place).collect(),
             end_s: at_s[last],
             left_at_end_s: if instance.mode == Mode::Cover { nearest_s } else { 0.0 },
             visit_s: instance.stations.iter().map(|station| battery.charge_s + station.queue_s).collect(),
-            budget_s: battery.budget_s() - ramps_s,
-            first_budget_s: left_s - battery.reserve_s - ramps_s,
+            budget_s: battery.budget_s() - spare_s,
+            first_budget_s: self.first_s(battery) - spare_s,
         }
     }
 

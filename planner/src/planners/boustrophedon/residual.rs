@@ -54,6 +54,27 @@ pub(in crate::planners) fn visit_gaps(transfers: &mut Transfers<'_, '_>, plan: &
     }
 }
 
+/// Takes the routes away of robots that stay where they are, unless what they sweep there is asked for. Routes of one point have
+/// not been counted on so far: where nobody else sweeps it, a side trip to where a robot stands anyway is no trip.
+pub(in crate::planners) fn drop_idle(instance: &Instance<'_>, plan: &mut Plan) {
+    if plan.routes.iter().all(|route| route.points.len() != 1) {
+        return;
+    }
+    let mut without = plan.clone();
+    let idle = without.routes.iter_mut().filter(|route| route.points.len() < 2);
+    idle.for_each(|route| *route = Route::default());
+    if is_whole(instance, &without) {
+        *plan = without;
+    }
+}
+
+/// Whether all is swept that has to be, by the measure of verify. Charges come later, or are there already: they do not count
+/// here.
+pub(in crate::planners) fn is_whole(instance: &Instance<'_>, plan: &Plan) -> bool {
+    let without_battery = Instance { battery: None, ..instance.clone() };
+    !matches!(verify(&without_battery, plan), Err(VerifyError::NotSwept { .. } | VerifyError::Gap(_)))
+}
+
 /// Cells from whose centres the rest is swept.
 fn stops(instance: &Instance<'_>, routes: &[Route], share: f64) -> Vec<Cell> {
     let mut rest = Rest::new(instance, routes);

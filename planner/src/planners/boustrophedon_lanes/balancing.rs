@@ -1,11 +1,12 @@
-//! Lanes that are not worth their time, for what else is swept on the way, are left out.
+//! Lanes that are not worth their time, for what else is swept on the way, are left out, and so are those of least worth beyond
+//! what is asked for.
 
 use super::{placing::Worth, sweep_tour};
 use crate::{ground::Ground, lane_tour::LaneTour, transfers::Way};
 
 /// Leaves out lanes, those with the least swept by them alone for their time first, as long as each is worth less than
-/// its time. `ground` has been swept by the tour.
-pub(super) fn leave_out(tour: &mut LaneTour<'_, '_>, ground: &mut Ground, worth: Worth) {
+/// its time, or the coverage without it is `goal` still. `ground` has been swept by the tour.
+pub(super) fn leave_out(tour: &mut LaneTour<'_, '_>, ground: &mut Ground, worth: Worth, goal: f64) {
     let mut order: Vec<(f64, usize)> = (0..tour.len())
         .filter(|&at| tour.lane_at(at) != 0)
         .collect::<Vec<_>>()
@@ -19,15 +20,20 @@ pub(super) fn leave_out(tour: &mut LaneTour<'_, '_>, ground: &mut Ground, worth:
         .collect();
     order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     for (per_s, lane) in order {
-        if per_s > 1.2 * worth.per_s {
+        let is_worthy = per_s > 1.2 * worth.per_s;
+        if is_worthy && ground.coverage() < goal {
             break;
         }
         let Some(at) = tour.place_of(lane).filter(|_| tour.len() > 2) else { continue };
         let saved_s = tour.saving_s(at);
-        if lost_without(tour, ground, at) < worth.per_s * saved_s {
+        if lost_without(tour, ground, at) < worth.per_s * saved_s || ground.coverage() >= goal {
             tour.remove(at);
         } else {
             restore(tour, ground, at);
+            // Those that follow are worth more still.
+            if is_worthy {
+                break;
+            }
         }
     }
     sweep_tour(ground, tour);

@@ -12,7 +12,8 @@ use crate::{
 use std::{cmp::Ordering, collections::BinaryHeap};
 use terrain::{Point, Segment};
 
-/// Patches of fewer samples are left.
+/// Patches of fewer samples are left, and so is what a change of the tour would sweep that sweeps fewer: this bounds the number of
+/// changes by the samples that are left.
 const PATCH_MIN: usize = 4;
 /// Lanes that pass a patch that are looked at for a bend.
 const PASSING: usize = 3;
@@ -160,7 +161,8 @@ impl Residue<'_, '_, '_> {
         }
         let mut changes = self.bends(&left);
         changes.extend(self.new_lanes(&left));
-        changes.into_iter().filter(|change| change.gain > 0.5).max_by(|a, b| a.per_s().total_cmp(&b.per_s()))
+        let is_enough = |change: &Change| change.gain >= PATCH_MIN as f64;
+        changes.into_iter().filter(is_enough).max_by(|a, b| a.per_s().total_cmp(&b.per_s()))
     }
 
     fn bends(&mut self, left: &[Point]) -> Vec<Change> {
