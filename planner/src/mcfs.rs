@@ -71,8 +71,13 @@ use web::Web;
 /// Strips narrower than this share of the tool's width are left to the smoothing.
 const LEAST_STRIP: f64 = 0.6;
 /// What ground is worth when all is to be swept. The last half percent costs most turning for its ground.
-const FULL_GROUND: GroundWorth =
-    GroundWorth { before: 10.0, plenty: 0.9955, beyond: [5.0, 3.0], turn_beyond: 2.0 * TURN_WORTH };
+const FULL_GROUND: GroundWorth = GroundWorth {
+    before: 10.0,
+    scanty: 0.97,
+    plenty: 0.9955,
+    beyond: [5.0, 3.0],
+    turn_beyond: 2.0 * TURN_WORTH,
+};
 
 /// Lines of which the longest is beyond the mean by no more than this share are even.
 const EVEN: f64 = 1e-3;
@@ -83,6 +88,9 @@ const TURN_WORTH: f64 = 0.5;
 /// By how much less the ground of a gap is worth that takes a detour.
 const GAP_DISCOUNT: f64 = 3.7;
 
+/// The most places × robots in all attempts beyond the first.
+const ATTEMPTS_WORK: usize = 60_000;
+
 /// How to cover polygons.
 #[derive(Debug, Clone, PartialEq)]
 pub struct McfsOptions {
@@ -92,13 +100,15 @@ pub struct McfsOptions {
     pub rounds: usize,
     /// How often shares are evened out anew by the lengths of the smoothed lines.
     pub corrections: usize,
+    /// On small ground the first share is cut off at so many places in turn, and the best plan is taken.
+    pub attempts: usize,
     /// The paper's own pipeline in place of ours, on floors with a map; it knows no coverage target.
     pub paper: Option<crate::isograph::SpiralOptions>,
 }
 
 impl Default for McfsOptions {
     fn default() -> Self {
-        Self { coverage_target: None, rounds: 12, corrections: 3, paper: None }
+        Self { coverage_target: None, rounds: 12, corrections: 3, attempts: 3, paper: None }
     }
 }
 
@@ -126,6 +136,8 @@ pub(crate) fn cover_ground(instance: &PolygonInstance, options: &McfsOptions) ->
 #[derive(Debug, Clone, Copy)]
 struct GroundWorth {
     before: f64,
+    /// While less than this share of the ground is swept, gaps are worth that much, too, and no less.
+    scanty: f64,
     /// When more than this share of the ground is swept, what is beyond may be given up again,
     plenty: f64,
     /// at these worths, one after the other,
@@ -139,6 +151,8 @@ struct GroundWorth {
 struct Cover {
     lines: Vec<Vec<Point>>,
     coverage: f64,
+    /// Ground that several of them sweep.
+    shared_m2: f64,
 }
 
 impl Cover {
@@ -155,12 +169,15 @@ impl Cover {
         self.makespan_m() < (1.0 + EVEN) * mean_m
     }
 
-    /// The makespan, and what each robot's part of the ground left is worth.
+    /// The makespan, and what each robot's part of the turning, of the ground left and of the ground swept by several
+    /// is worth.
     fn cost_m(&self, instance: &PolygonInstance, worth: &GroundWorth) -> f64 {
-        let robots = self.lines.len() as f64;
+        let (robots, width_m) = (self.lines.len() as f64, instance.tool_width_m);
         let left = 1.0 - self.coverage.min(worth.plenty);
-        let left_m = left * instance.area_m2() / (robots * instance.tool_width_m);
-        self.makespan_m() + worth.before / GAP_DISCOUNT * left_m
+        let left_m = worth.before / GAP_DISCOUNT * left * instance.area_m2() / width_m;
+        let turns_m =
+            TURN_WORTH * width_m * self.lines.iter().map(|line| joint::turning_rad(line)).sum::<f64>();
+        self.makespan_m() + (left_m + turns_m + self.shared_m2 / width_m) / robots
     }
 }
 
@@ -185,25 +202,46 @@ fn lines_along(
     let walls = Walls::new(instance);
     let mut web = Web::new(tracks, instance.tool_width_m);
     joining::join(&mut web, &walls);
-    let mut web = Web::new(&smooth_tours(instance, &web, &walls, worth), instance.tool_width_m);
+    let web = Web::new(&smooth_tours(instance, &web, &walls, worth), instance.tool_width_m);
     let neighbours = Neighbours::new(&web, &walls);
     let drives: Vec<Option<Drives>> =
         instance.starts.iter().map(|&start| Drives::new(&web, &neighbours, &walls, start)).collect();
+    let attempts =
+        (ATTEMPTS_WORK / (web.len() * instance.starts.len()).max(1)).clamp(1, options.attempts.max(1));
+    let covers = (0..attempts).map(|rank| {
+        let mut web = web.clone();
+        let corrections_m = vec![0.0; instance.starts.len()];
+        let mut sharing =
+            Sharing { web: &mut web, walls: &walls, neighbours: &neighbours, drives: &drives, corrections_m };
+        let shares = peeled(&mut sharing, rank);
+        evened_out(instance, options, &mut sharing, shares, worth)
+    });
+    covers.min_by(|a, b| a.cost_m(instance, worth).total_cmp(&b.cost_m(instance, worth)))
+}
+
+/// First shares of every closed line, among the robots that reach it.
+fn peeled(sharing: &mut Sharing<'_>, rank: usize) -> Vec<Share> {
     let mut shares = Vec::new();
-    let corrections_m = vec![0.0; instance.starts.len()];
-    let lines = web.closed_lines();
-    let mut sharing =
-        Sharing { web: &mut web, walls: &walls, neighbours: &neighbours, drives: &drives, corrections_m };
-    for line in lines {
-        let robots: Vec<usize> = (0..instance.starts.len())
-            .filter(|&robot| sharing.drive_m(robot, &line[..1]).is_finite())
-            .collect();
+    for line in sharing.web.closed_lines() {
+        let reaches = |&robot: &usize| sharing.drive_m(robot, &line[..1]).is_finite();
+        let robots: Vec<usize> = (0..sharing.drives.len()).filter(reaches).collect();
         if !robots.is_empty() {
-            shares.extend(sharing.peel(line, robots));
+            shares.extend(sharing.peel(line, robots, rank));
         }
     }
+    shares
+}
+
+/// Evens shares out and smooths them, then again by the lengths that came of it: the best of these covers.
+fn evened_out(
+    instance: &PolygonInstance,
+    options: &McfsOptions,
+    sharing: &mut Sharing<'_>,
+    mut shares: Vec<Share>,
+    worth: &GroundWorth,
+) -> Cover {
     sharing.settle(&mut shares, options.rounds, 0.0);
-    let mut last = smoothed(instance, &sharing, &shares, worth, None);
+    let mut last = smoothed(instance, sharing, &shares, worth, None);
     let mut best = last.clone();
     for _ in 0..options.corrections {
         if last.is_even() {
@@ -219,12 +257,12 @@ fn lines_along(
         if shares == before {
             break;
         }
-        last = smoothed(instance, &sharing, &shares, worth, Some((&before, &last)));
+        last = smoothed(instance, sharing, &shares, worth, Some((&before, &last)));
         if last.cost_m(instance, worth) < best.cost_m(instance, worth) {
             best = last.clone();
         }
     }
-    Some(best)
+    best
 }
 
 /// The closed lines of a web, smoothed.
@@ -283,9 +321,10 @@ fn polished(instance: &PolygonInstance, walls: &Walls, worth: &GroundWorth, line
     let mut lines: Vec<Vec<Point>> = lines.into_iter().map(|line| line.points).collect();
     Smoothing { swept: &mut swept, walls, width_m, ground_worth, turn_worth, least_coverage: 0.0 }
         .smooth(&mut lines, quiet);
-    if swept.coverage() < worth.plenty {
-        let ground_worth = worth.before / GAP_DISCOUNT;
-        Gaps { swept: &mut swept, walls, width_m, ground_worth }.visit(&mut lines);
+    for (below, ground_worth) in [(worth.plenty, worth.before / GAP_DISCOUNT), (worth.scanty, worth.before)] {
+        if swept.coverage() < below {
+            Gaps { swept: &mut swept, walls, width_m, ground_worth }.visit(&mut lines);
+        }
     }
     for ground_worth in worth.beyond {
         let (turn_worth, least_coverage) = (worth.turn_beyond, worth.plenty);
@@ -298,7 +337,8 @@ fn polished(instance: &PolygonInstance, walls: &Walls, worth: &GroundWorth, line
     for line in &mut lines {
         tips::round_tips(line, walls, width_m);
     }
-    Cover { coverage: swept.coverage(), lines }
+    let shared_m2 = SweptCounts::shared_m2(&instance.ground, width_m, &lines);
+    Cover { coverage: swept.coverage(), shared_m2, lines }
 }
 
 fn length_m(line: &[Point]) -> f64 {

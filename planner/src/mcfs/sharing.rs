@@ -38,8 +38,10 @@ const PAIR_TURN: f64 = 0.5;
 const CUTS: usize = 8;
 /// Shares are peeled off at every third place, for they are evened out later.
 const COARSE: usize = 3;
-/// Way that it is worth that one metre less is swept by two robots.
-const OVERLAP_WORTH: f64 = 0.2;
+/// Way that it is worth that one metre less is swept by two robots: the second one need not have come.
+const OVERLAP_WORTH: f64 = 1.0;
+/// What a drive costs for its length: there, back, and over ground that another robot sweeps.
+const DRIVE_COST: f64 = 2.0 + OVERLAP_WORTH;
 
 /// One robot's closed line.
 #[derive(Debug, Clone, PartialEq)]
@@ -83,12 +85,13 @@ impl Sharing<'_> {
         }
     }
 
-    /// Cuts one share after the other off a line.
-    pub(super) fn peel(&mut self, line: Vec<u32>, mut robots: Vec<usize>) -> Vec<Share> {
+    /// Cuts one share after the other off a line: the first at the best chord but `rank`, the others at the best.
+    pub(super) fn peel(&mut self, line: Vec<u32>, mut robots: Vec<usize>, rank: usize) -> Vec<Share> {
         let mut shares = Vec::new();
         let mut rest = line;
         while robots.len() > 1 {
-            let Some(chord) = self.best_peel(&rest, &robots) else { break };
+            let rank = if shares.is_empty() { rank } else { 0 };
+            let Some(chord) = self.best_peel(&rest, &robots, rank) else { break };
             let (inner, outer) = self.cut(&rest, chord);
             robots.retain(|&robot| robot != chord.inner_robot);
             shares.push(Share { robot: chord.inner_robot, line: inner });
@@ -98,10 +101,10 @@ impl Sharing<'_> {
         shares
     }
 
-    /// The chord that cuts off a fair share for some robot.
-    fn best_peel(&self, line: &[u32], robots: &[usize]) -> Option<Chord> {
+    /// The best chord but `rank` of those that cut off a fair share for some robot.
+    fn best_peel(&self, line: &[u32], robots: &[usize], rank: usize) -> Option<Chord> {
         let ruler = Ruler::new(self, line, robots);
-        let drives_m: f64 = (0..robots.len()).map(|slot| 2.0 * ruler.whole_m(slot)).sum();
+        let drives_m: f64 = (0..robots.len()).map(|slot| DRIVE_COST * ruler.whole_m(slot)).sum();
         let fair_m = (ruler.length_m() + drives_m) / robots.len() as f64;
         let rest_m = fair_m * (robots.len() - 1) as f64;
         let chords = self.best_chords::<CUTS>(
@@ -125,7 +128,8 @@ impl Sharing<'_> {
                 best
             },
         );
-        self.least_overlapping(line, chords)
+        let chords = self.least_overlapping(line, chords);
+        chords.get(rank).or(chords.last()).copied()
     }
 
     /// Joins and cuts again pairs of neighbours; whether anything got better.
@@ -291,7 +295,7 @@ impl Sharing<'_> {
             };
             Some(best)
         });
-        if let Some(chord) = self.least_overlapping(&line, chords) {
+        if let Some(&chord) = self.least_overlapping(&line, chords).first() {
             let overlap_m =
                 self.overlap_m(&line, &line[chord.first..=chord.last]) - self.overlap_m(&line, &one.line);
             let turns_m = turn_m
@@ -316,12 +320,12 @@ impl Sharing<'_> {
         false
     }
 
-    /// Line and drives of a share, metres.
+    /// Line and drives of a share, with what smoothing adds, metres.
     pub(super) fn cost_m(&self, share: &Share) -> f64 {
         let line = &share.line;
         let next = line.iter().cycle().skip(1);
         let line_m: f64 = line.iter().zip(next).map(|(&a, &b)| self.web.distance_m(a, b)).sum();
-        line_m + 2.0 * self.drive_m(share.robot, line) + self.corrections_m[share.robot]
+        line_m + DRIVE_COST * self.drive_m(share.robot, line) + self.corrections_m[share.robot]
     }
 
     pub(super) fn drive_m(&self, robot: usize, line: &[u32]) -> f64 {
@@ -363,13 +367,13 @@ impl Sharing<'_> {
         a % 3 == 0 || !self.web.is_short(a, a2) || !self.web.is_short(b, b2)
     }
 
-    /// The chord with the least score when ground that both sides of it sweep counts, too.
-    fn least_overlapping(&self, line: &[u32], chords: Vec<Chord>) -> Option<Chord> {
-        let cost_m = |chord: &Chord| {
-            chord.score_m + OVERLAP_WORTH * self.overlap_m(line, &line[chord.first..=chord.last])
-        };
-        let costs = chords.into_iter().map(|chord| (cost_m(&chord), chord));
-        costs.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, chord)| chord)
+    /// Chords by their scores when ground that both sides of them sweep counts, too; the least first.
+    fn least_overlapping(&self, line: &[u32], mut chords: Vec<Chord>) -> Vec<Chord> {
+        for chord in &mut chords {
+            chord.score_m += OVERLAP_WORTH * self.overlap_m(line, &line[chord.first..=chord.last]);
+        }
+        chords.sort_by(|a, b| a.score_m.total_cmp(&b.score_m));
+        chords
     }
 
     /// How much of the way of one part of a line is swept by the rest of it, too: metres at the tool's full width.
@@ -466,15 +470,17 @@ struct Cutting<'a> {
 }
 
 impl Cutting<'_> {
-    /// The part within and the drives of a robot there and back, metres.
+    /// The part within and what the drives of a robot cost, metres.
     fn inner_cost_m(&self, slot: usize) -> f64 {
-        self.inner_m + self.ruler.corrections_m[slot] + 2.0 * self.ruler.inside_m(slot, self.first, self.last)
+        self.inner_m
+            + self.ruler.corrections_m[slot]
+            + DRIVE_COST * self.ruler.inside_m(slot, self.first, self.last)
     }
 
     fn outer_cost_m(&self, slot: usize) -> f64 {
         self.outer_m
             + self.ruler.corrections_m[slot]
-            + 2.0 * self.ruler.outside_m(slot, self.first, self.last)
+            + DRIVE_COST * self.ruler.outside_m(slot, self.first, self.last)
     }
 }
 

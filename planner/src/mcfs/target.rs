@@ -105,7 +105,8 @@ impl Search<'_> {
     fn lines_for(&self, first_m: f64, options: &McfsOptions, plenty: f64) -> Option<Cover> {
         let tracks = worthwhile(self.instance, tracks::tracks(self.instance, first_m), self.least_yield);
         let beyond = SPARE_GROUND_WORTHS;
-        let worth = GroundWorth { before: GROUND_WORTH, plenty, beyond, turn_beyond: TURN_WORTH };
+        let worth =
+            GroundWorth { before: GROUND_WORTH, scanty: 0.0, plenty, beyond, turn_beyond: TURN_WORTH };
         lines_along(self.instance, options, &tracks, &worth)
     }
 

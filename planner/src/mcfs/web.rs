@@ -22,6 +22,7 @@ const SHARP_RAD: f64 = 2.0;
 const BLUNT: f64 = 0.02;
 
 /// Places and links.
+#[derive(Clone)]
 pub(super) struct Web {
     pub(super) at: Vec<Point>,
     pub(super) track: Vec<u32>,
