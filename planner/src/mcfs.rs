@@ -1,8 +1,9 @@
 //! Smooth coverage of polygons by many robots: connected Fermat spirals, cut at any length.
 //!
 //! ```text
-//!   PolygonInstance ──▶ tracks ──▶ one closed line ──▶ k closed lines ──▶ smoothed ──▶ Plan (from each start and back)
-//!                      offsets     exchanges of links   chords            ground stays swept
+//!   PolygonInstance ──▶ tracks ──▶ one closed line ──▶ smoothed ──▶ k closed lines ──▶ smoothed ──▶ Plan
+//!                      offsets     exchanges of links   ground       chords            near cuts    from each start
+//!                                                       stays swept                                and back
 //! ```
 //!
 //! **Problem.** A polygon with holes of area A, k robots at given starts, a round tool of width l. Sweep the ground
@@ -12,12 +13,13 @@
 //! **Idea.** Closed *tracks* lie at (i − ½)·l from the walls, each offset from the polygon itself, and thin ones fill
 //! what the innermost tracks leave. Two links between places side by side are *exchanged* against two others: that
 //! joins two closed lines, and where it costs least way and turning (at corners, at ends of pockets, beside an earlier
-//! joint) it turns tracks into the two arms of a Fermat spiral. The same exchange within one line, a *chord*, cuts it
-//! at any length into two; k − 1 chords share the line out, and pairs of neighbours are joined and cut again, or hand
-//! a part over, until line and drives are even. Then every line is smoothed: stretches give way to straight ones and
-//! bends while way + turning + ground lost becomes less, so that jogs of neighbouring arms become slants. Gaps that are
-//! left are visited by detours that are worth it; where plenty is swept, what costs most way and turning for its ground
-//! is given up again; tips are rounded. Shares are evened out anew by the lengths that came of it.
+//! joint) it turns tracks into the two arms of a Fermat spiral. The line is smoothed: stretches give way to straight
+//! ones and bends while way + turning + ground lost becomes less, so that jogs of neighbouring arms become slants. Gaps
+//! that are left are visited by detours that are worth it; where plenty is swept, what costs most way and turning for
+//! its ground is given up again. An exchange within one line, a *chord*, cuts it at any length into two; k − 1 chords
+//! share the line out, and pairs of neighbours are joined and cut again, or hand a part over, until line and drives are
+//! even. The shares are smoothed near the cuts, tips are rounded, and shares are evened out anew by the lengths that
+//! came of it.
 //!
 //! **Guarantee.** Lines keep the body's radius from every wall (each link, chord, drive and shortcut is tested against
 //! the walls themselves). One line per piece of ground that some robot reaches. None on makespan; the bound is
@@ -38,6 +40,7 @@ mod drive;
 mod gaps;
 mod joining;
 mod joint;
+mod line;
 mod near;
 mod polygon_instance;
 mod sharing;
@@ -56,6 +59,7 @@ pub(crate) use straightening::straightened;
 use crate::{Plan, Route};
 use drive::{Drives, Neighbours};
 use gaps::Gaps;
+use line::Line;
 use sharing::{Share, Sharing};
 use smoothing::Smoothing;
 use swept_counts::SweptCounts;
@@ -67,8 +71,13 @@ use web::Web;
 /// Strips narrower than this share of the tool's width are left to the smoothing.
 const LEAST_STRIP: f64 = 0.6;
 /// What ground is worth when all is to be swept. The last half percent costs most turning for its ground.
-const FULL_GROUND: GroundWorth =
-    GroundWorth { before: 10.0, plenty: 0.9955, beyond: [5.0, 3.0], turn_beyond: 2.0 * TURN_WORTH };
+const FULL_GROUND: GroundWorth = GroundWorth {
+    before: 10.0,
+    scanty: 0.97,
+    plenty: 0.9955,
+    beyond: [5.0, 3.0],
+    turn_beyond: 2.0 * TURN_WORTH,
+};
 
 /// Lines of which the longest is beyond the mean by no more than this share are even.
 const EVEN: f64 = 1e-3;
@@ -79,6 +88,9 @@ const TURN_WORTH: f64 = 0.5;
 /// By how much less the ground of a gap is worth that takes a detour.
 const GAP_DISCOUNT: f64 = 3.7;
 
+/// The most places × robots in all attempts beyond the first.
+const ATTEMPTS_WORK: usize = 60_000;
+
 /// How to cover polygons.
 #[derive(Debug, Clone, PartialEq)]
 pub struct McfsOptions {
@@ -88,13 +100,15 @@ pub struct McfsOptions {
     pub rounds: usize,
     /// How often shares are evened out anew by the lengths of the smoothed lines.
     pub corrections: usize,
+    /// On small ground the first share is cut off at so many places in turn, and the best plan is taken.
+    pub attempts: usize,
     /// The paper's own pipeline in place of ours, on floors with a map; it knows no coverage target.
     pub paper: Option<crate::isograph::SpiralOptions>,
 }
 
 impl Default for McfsOptions {
     fn default() -> Self {
-        Self { coverage_target: None, rounds: 12, corrections: 3, paper: None }
+        Self { coverage_target: None, rounds: 12, corrections: 3, attempts: 3, paper: None }
     }
 }
 
@@ -122,6 +136,8 @@ pub(crate) fn cover_ground(instance: &PolygonInstance, options: &McfsOptions) ->
 #[derive(Debug, Clone, Copy)]
 struct GroundWorth {
     before: f64,
+    /// While less than this share of the ground is swept, gaps are worth that much, too, and no less.
+    scanty: f64,
     /// When more than this share of the ground is swept, what is beyond may be given up again,
     plenty: f64,
     /// at these worths, one after the other,
@@ -135,6 +151,8 @@ struct GroundWorth {
 struct Cover {
     lines: Vec<Vec<Point>>,
     coverage: f64,
+    /// Ground that several of them sweep.
+    shared_m2: f64,
 }
 
 impl Cover {
@@ -151,12 +169,15 @@ impl Cover {
         self.makespan_m() < (1.0 + EVEN) * mean_m
     }
 
-    /// The makespan, and what each robot's part of the ground left is worth.
+    /// The makespan, and what each robot's part of the turning, of the ground left and of the ground swept by several
+    /// is worth.
     fn cost_m(&self, instance: &PolygonInstance, worth: &GroundWorth) -> f64 {
-        let robots = self.lines.len() as f64;
+        let (robots, width_m) = (self.lines.len() as f64, instance.tool_width_m);
         let left = 1.0 - self.coverage.min(worth.plenty);
-        let left_m = left * instance.area_m2() / (robots * instance.tool_width_m);
-        self.makespan_m() + worth.before / GAP_DISCOUNT * left_m
+        let left_m = worth.before / GAP_DISCOUNT * left * instance.area_m2() / width_m;
+        let turns_m =
+            TURN_WORTH * width_m * self.lines.iter().map(|line| joint::turning_rad(line)).sum::<f64>();
+        self.makespan_m() + (left_m + turns_m + self.shared_m2 / width_m) / robots
     }
 }
 
@@ -181,24 +202,46 @@ fn lines_along(
     let walls = Walls::new(instance);
     let mut web = Web::new(tracks, instance.tool_width_m);
     joining::join(&mut web, &walls);
+    let web = Web::new(&smooth_tours(instance, &web, &walls, worth), instance.tool_width_m);
     let neighbours = Neighbours::new(&web, &walls);
     let drives: Vec<Option<Drives>> =
         instance.starts.iter().map(|&start| Drives::new(&web, &neighbours, &walls, start)).collect();
+    let attempts =
+        (ATTEMPTS_WORK / (web.len() * instance.starts.len()).max(1)).clamp(1, options.attempts.max(1));
+    let covers = (0..attempts).map(|rank| {
+        let mut web = web.clone();
+        let corrections_m = vec![0.0; instance.starts.len()];
+        let mut sharing =
+            Sharing { web: &mut web, walls: &walls, neighbours: &neighbours, drives: &drives, corrections_m };
+        let shares = peeled(&mut sharing, rank);
+        evened_out(instance, options, &mut sharing, shares, worth)
+    });
+    covers.min_by(|a, b| a.cost_m(instance, worth).total_cmp(&b.cost_m(instance, worth)))
+}
+
+/// First shares of every closed line, among the robots that reach it.
+fn peeled(sharing: &mut Sharing<'_>, rank: usize) -> Vec<Share> {
     let mut shares = Vec::new();
-    let corrections_m = vec![0.0; instance.starts.len()];
-    let lines = web.closed_lines();
-    let mut sharing =
-        Sharing { web: &mut web, walls: &walls, neighbours: &neighbours, drives: &drives, corrections_m };
-    for line in lines {
-        let robots: Vec<usize> = (0..instance.starts.len())
-            .filter(|&robot| sharing.drive_m(robot, &line[..1]).is_finite())
-            .collect();
+    for line in sharing.web.closed_lines() {
+        let reaches = |&robot: &usize| sharing.drive_m(robot, &line[..1]).is_finite();
+        let robots: Vec<usize> = (0..sharing.drives.len()).filter(reaches).collect();
         if !robots.is_empty() {
-            shares.extend(sharing.peel(line, robots));
+            shares.extend(sharing.peel(line, robots, rank));
         }
     }
+    shares
+}
+
+/// Evens shares out and smooths them, then again by the lengths that came of it: the best of these covers.
+fn evened_out(
+    instance: &PolygonInstance,
+    options: &McfsOptions,
+    sharing: &mut Sharing<'_>,
+    mut shares: Vec<Share>,
+    worth: &GroundWorth,
+) -> Cover {
     sharing.settle(&mut shares, options.rounds, 0.0);
-    let mut last = smoothed(instance, &sharing, &shares, worth, None);
+    let mut last = smoothed(instance, sharing, &shares, worth, None);
     let mut best = last.clone();
     for _ in 0..options.corrections {
         if last.is_even() {
@@ -214,12 +257,27 @@ fn lines_along(
         if shares == before {
             break;
         }
-        last = smoothed(instance, &sharing, &shares, worth, Some((&before, &last)));
+        last = smoothed(instance, sharing, &shares, worth, Some((&before, &last)));
         if last.cost_m(instance, worth) < best.cost_m(instance, worth) {
             best = last.clone();
         }
     }
-    Some(best)
+    best
+}
+
+/// The closed lines of a web, smoothed.
+fn smooth_tours(instance: &PolygonInstance, web: &Web, walls: &Walls, worth: &GroundWorth) -> Vec<Track> {
+    let closed = |line: Vec<u32>| {
+        let mut points: Vec<Point> = line.iter().map(|&place| web.at[place as usize]).collect();
+        points.push(points[0]);
+        Line::all_new(points)
+    };
+    let tours = web.closed_lines().into_iter().map(closed).collect();
+    let open = |mut corners: Vec<Point>| {
+        corners.pop();
+        Track { depth: 0, corners }
+    };
+    polished(instance, walls, worth, tours).lines.into_iter().map(open).collect()
 }
 
 /// The shares as lines from the starts and back, smoothed; shares that are as before keep their lines.
@@ -230,66 +288,79 @@ fn smoothed(
     worth: &GroundWorth,
     before: Option<(&[Share], &Cover)>,
 ) -> Cover {
-    let mut lines: Vec<Vec<Point>> = instance.starts.iter().map(|&start| vec![start]).collect();
-    let mut is_new = vec![false; lines.len()];
-    for (robot, &start) in instance.starts.iter().enumerate() {
-        let own = |shares: &'_ [Share]| -> Vec<Share> {
-            shares.iter().filter(|share| share.robot == robot).cloned().collect()
-        };
-        let trips = own(shares);
-        if let Some((_, cover)) = before.filter(|(before, _)| own(before) == trips) {
-            lines[robot].clone_from(&cover.lines[robot]);
-        } else if let Some(drives) = &sharing.drives[robot] {
-            // Lines that could not be joined: one trip each.
-            for trip in &trips {
-                let points = round_trip(sharing.web, sharing.walls, drives, trip, start);
-                lines[robot].extend(points.into_iter().skip(1));
-                is_new[robot] = true;
+    let own = |shares: &'_ [Share], robot: usize| -> Vec<Share> {
+        shares.iter().filter(|share| share.robot == robot).cloned().collect()
+    };
+    let line = |(robot, &start): (usize, &Point)| {
+        let trips = own(shares, robot);
+        if let Some((_, cover)) = before.filter(|(before, _)| own(before, robot) == trips) {
+            return Line::as_before(cover.lines[robot].clone());
+        }
+        let mut line = Line::as_before(vec![start]);
+        // Lines that could not be joined: one trip each.
+        for trip in &trips {
+            if let Some(drives) = &sharing.drives[robot] {
+                round_trip(sharing.web, sharing.walls, drives, trip, &mut line);
             }
         }
-    }
+        line
+    };
+    let lines = instance.starts.iter().enumerate().map(line).collect();
+    polished(instance, sharing.walls, worth, lines)
+}
+
+/// Smooths lines, visits the gaps they leave, and gives up ground that is not worth its way.
+fn polished(instance: &PolygonInstance, walls: &Walls, worth: &GroundWorth, lines: Vec<Line>) -> Cover {
     let mut swept = SweptCounts::new(&instance.ground, instance.tool_width_m);
-    for pair in lines.iter().flat_map(|line| line.windows(2)) {
+    for pair in lines.iter().flat_map(|line| line.points.windows(2)) {
         swept.put_in(pair[0], pair[1]);
     }
-    let (walls, width_m) = (sharing.walls, instance.tool_width_m);
+    let width_m = instance.tool_width_m;
     let (ground_worth, turn_worth) = (worth.before, TURN_WORTH);
+    let quiet = lines.iter().map(Line::quiet).collect();
+    let mut lines: Vec<Vec<Point>> = lines.into_iter().map(|line| line.points).collect();
     Smoothing { swept: &mut swept, walls, width_m, ground_worth, turn_worth, least_coverage: 0.0 }
-        .smooth(&mut lines, &is_new);
-    if swept.coverage() < worth.plenty {
-        let ground_worth = worth.before / GAP_DISCOUNT;
-        Gaps { swept: &mut swept, walls, width_m, ground_worth }.visit(&mut lines);
+        .smooth(&mut lines, quiet);
+    for (below, ground_worth) in [(worth.plenty, worth.before / GAP_DISCOUNT), (worth.scanty, worth.before)] {
+        if swept.coverage() < below {
+            Gaps { swept: &mut swept, walls, width_m, ground_worth }.visit(&mut lines);
+        }
     }
     for ground_worth in worth.beyond {
         let (turn_worth, least_coverage) = (worth.turn_beyond, worth.plenty);
         if swept.coverage() > least_coverage {
+            let quiet = lines.iter().map(|line| vec![false; line.len()]).collect();
             Smoothing { swept: &mut swept, walls, width_m, ground_worth, turn_worth, least_coverage }
-                .smooth(&mut lines, &is_new);
+                .smooth(&mut lines, quiet);
         }
     }
-    for line in lines.iter_mut().zip(&is_new).map(|(line, _)| line) {
+    for line in &mut lines {
         tips::round_tips(line, walls, width_m);
     }
-    Cover { coverage: swept.coverage(), lines }
+    let shared_m2 = SweptCounts::shared_m2(&instance.ground, width_m, &lines);
+    Cover { coverage: swept.coverage(), shared_m2, lines }
 }
 
 fn length_m(line: &[Point]) -> f64 {
     line.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum()
 }
 
-/// From the start into a closed line where that is shortest, along it, and back.
-fn round_trip(web: &Web, walls: &Walls, drives: &Drives, share: &Share, start: Point) -> Vec<Point> {
-    let line = &share.line;
-    let after = |at: usize| line[(at + 1) % line.len()];
+/// Goes on from the start into a closed line where that is shortest, along it, and back.
+fn round_trip(web: &Web, walls: &Walls, drives: &Drives, share: &Share, line: &mut Line) {
+    let places = &share.line;
+    let start = line.points[0];
+    let after = |at: usize| places[(at + 1) % places.len()];
     let detour_m = |at: usize| {
-        let (place, next) = (line[at], after(at));
+        let (place, next) = (places[at], after(at));
         drives.distance_m[place as usize] + drives.distance_m[next as usize] - web.distance_m(place, next)
     };
-    let leaves = (0..line.len()).min_by(|&a, &b| detour_m(a).total_cmp(&detour_m(b))).unwrap_or(0);
-    let mut points = drives.way(web, walls, start, after(leaves));
-    points.extend((2..=line.len()).map(|step| web.at[line[(leaves + step) % line.len()] as usize]));
-    points.extend(drives.way(web, walls, start, line[leaves]).into_iter().rev().skip(1));
-    points
+    let leaves = (0..places.len()).min_by(|&a, &b| detour_m(a).total_cmp(&detour_m(b))).unwrap_or(0);
+    line.drive(drives.way(web, walls, start, after(leaves)));
+    for step in 1..places.len() {
+        let (from, to) = (after(leaves + step - 1), after(leaves + step));
+        line.go(web.at[to as usize], !web.is_stretch(from, to));
+    }
+    line.drive(drives.way(web, walls, start, places[leaves]).into_iter().rev().collect());
 }
 
 /// The tracks of full coverage with their numbers from the walls inwards, ground on the left: isolines for the paper's

@@ -6,7 +6,7 @@
 //!   ─────▶a   b─────▶
 //! ```
 
-use super::joint::turn_rad;
+use super::joint::turning_rad;
 use super::swept_counts::SweptCounts;
 use super::walls::Walls;
 use terrain::{Point, Vector};
@@ -170,12 +170,6 @@ fn foot(from: Point, to: Point, point: Point) -> Point {
 
 fn length_m(way: &[Point]) -> f64 {
     way.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum()
-}
-
-fn turning_rad(way: &[Point]) -> f64 {
-    let steps: Vec<Vector> =
-        way.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| step.norm() > 1e-9).collect();
-    steps.windows(2).map(|pair| turn_rad(pair[0], pair[1])).sum()
 }
 
 #[cfg(test)]

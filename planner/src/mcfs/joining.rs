@@ -26,8 +26,11 @@ pub(super) fn join(web: &mut Web, walls: &Walls) {
     for reach in REACHES {
         let reach_m = reach * web.width_m;
         let mut queue = BinaryHeap::new();
-        for place in 0..web.len() as u32 {
-            offer(web, &mut lines, place, reach_m, &mut queue, |beside| beside > place);
+        // An exchange is offered from one of its sides: the largest line need not look for others.
+        let is_largest = in_the_largest(web, &mut lines);
+        for place in (0..web.len() as u32).filter(|&place| !is_largest[place as usize]) {
+            let is_asked = |beside: u32| beside > place || is_largest[beside as usize];
+            offer(web, &mut lines, place, reach_m, &mut queue, is_asked);
         }
         while let Some(Reverse((cost, exchange))) = queue.pop() {
             if !is_open(web, &mut lines, exchange) {
@@ -47,6 +50,17 @@ pub(super) fn join(web: &mut Web, walls: &Walls) {
     }
 }
 
+/// Which places belong to the line that has the most.
+fn in_the_largest(web: &Web, lines: &mut DisjointSets) -> Vec<bool> {
+    let roots: Vec<u32> = (0..web.len() as u32).map(|place| lines.find(place)).collect();
+    let mut places = vec![0_u32; web.len()];
+    for &root in &roots {
+        places[root as usize] += 1;
+    }
+    let largest = (0..web.len() as u32).max_by_key(|&root| places[root as usize]);
+    roots.into_iter().map(|root| Some(root) == largest).collect()
+}
+
 type Queue = BinaryHeap<Reverse<(i64, Exchange)>>;
 
 /// Adds every exchange at a place to the queue.
@@ -64,11 +78,19 @@ fn offer(
             continue;
         }
         for exchange in exchanges(web, place, beside) {
-            if may_pay(web, exchange, reach_m) {
+            if !is_twin(web, exchange) && may_pay(web, exchange, reach_m) {
+                let Exchange { one, other } = exchange;
+                let exchange = Exchange { one: one.min(other), other: one.max(other) };
                 queue.push(Reverse((steps(web, exchange), exchange)));
             }
         }
     }
+}
+
+/// Whether an exchange of two short links is offered from its other two places, too.
+fn is_twin(web: &Web, exchange: Exchange) -> bool {
+    let Exchange { one: (a, a2), other: (b, b2) } = exchange;
+    a.min(b) < a2.min(b2) && web.is_short(a, a2) && web.is_short(b, b2)
 }
 
 /// Whether an exchange is worth a closer look: its second link may be longer than the first only at an earlier joint.

@@ -83,3 +83,10 @@ fn slant(from: End, to: End, cut_m: f64, loss_m: f64) -> Cost {
 pub(super) fn turn_rad(from: Vector, to: Vector) -> f64 {
     from.perp(&to).atan2(from.dot(&to)).abs()
 }
+
+/// The turning along a line, radians.
+pub(super) fn turning_rad(line: &[Point]) -> f64 {
+    let steps: Vec<Vector> =
+        line.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| step.norm() > 1e-9).collect();
+    steps.windows(2).map(|pair| turn_rad(pair[0], pair[1])).sum()
+}

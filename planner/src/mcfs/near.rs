@@ -6,6 +6,7 @@ use terrain::Point;
 const BINS_MAX: f64 = 2000.0;
 
 /// Numbers by place.
+#[derive(Clone)]
 pub(super) struct Near {
     low: Point,
     bin_m: f64,

@@ -11,7 +11,7 @@
 
 use super::drive::{Drives, Neighbours};
 use super::walls::Walls;
-use super::web::{Exchange, Web};
+use super::web::{Exchange, SPACING, Web};
 use std::collections::BTreeSet;
 
 /// Pairs of shares closer than this part of their length are left as they are.
@@ -23,6 +23,8 @@ const TURN_WORTH: f64 = 0.6;
 const SUM_WORTH: f64 = 0.2;
 /// Pairs farther apart than this part of their length are joined at several places in turn.
 const UNEVEN: f64 = 2e-3;
+/// Of pairs farther apart than this part of their length only the way counts, not what both sweep.
+const FAR_APART: f64 = 1e-2;
 /// Places that are linked when lines are joined are no farther apart, in tool widths.
 const JOIN_REACH: f64 = 1.6;
 /// A part to hand over is looked for from so many stretches of a line.
@@ -31,6 +33,15 @@ const GIVEN: usize = 8;
 const JOINS: usize = 8;
 /// Share of the turning that recutting adds, in way, that the gain must be beyond.
 const PAIR_TURN: f64 = 0.5;
+
+/// So many chords of a line are compared by the ground that both sides of them sweep.
+const CUTS: usize = 8;
+/// Shares are peeled off at every third place, for they are evened out later.
+const COARSE: usize = 3;
+/// Way that it is worth that one metre less is swept by two robots: the second one need not have come.
+const OVERLAP_WORTH: f64 = 1.0;
+/// What a drive costs for its length: there, back, and over ground that another robot sweeps.
+const DRIVE_COST: f64 = 2.0 + OVERLAP_WORTH;
 
 /// One robot's closed line.
 #[derive(Debug, Clone, PartialEq)]
@@ -74,12 +85,13 @@ impl Sharing<'_> {
         }
     }
 
-    /// Cuts one share after the other off a line.
-    pub(super) fn peel(&mut self, line: Vec<u32>, mut robots: Vec<usize>) -> Vec<Share> {
+    /// Cuts one share after the other off a line: the first at the best chord but `rank`, the others at the best.
+    pub(super) fn peel(&mut self, line: Vec<u32>, mut robots: Vec<usize>, rank: usize) -> Vec<Share> {
         let mut shares = Vec::new();
         let mut rest = line;
         while robots.len() > 1 {
-            let Some(chord) = self.best_peel(&rest, &robots) else { break };
+            let rank = if shares.is_empty() { rank } else { 0 };
+            let Some(chord) = self.best_peel(&rest, &robots, rank) else { break };
             let (inner, outer) = self.cut(&rest, chord);
             robots.retain(|&robot| robot != chord.inner_robot);
             shares.push(Share { robot: chord.inner_robot, line: inner });
@@ -89,15 +101,16 @@ impl Sharing<'_> {
         shares
     }
 
-    /// The chord that cuts off a fair share for some robot.
-    fn best_peel(&self, line: &[u32], robots: &[usize]) -> Option<Chord> {
+    /// The best chord but `rank` of those that cut off a fair share for some robot.
+    fn best_peel(&self, line: &[u32], robots: &[usize], rank: usize) -> Option<Chord> {
         let ruler = Ruler::new(self, line, robots);
-        let drives_m: f64 = (0..robots.len()).map(|slot| 2.0 * ruler.whole_m(slot)).sum();
+        let drives_m: f64 = (0..robots.len()).map(|slot| DRIVE_COST * ruler.whole_m(slot)).sum();
         let fair_m = (ruler.length_m() + drives_m) / robots.len() as f64;
         let rest_m = fair_m * (robots.len() - 1) as f64;
-        self.best_chord(
+        let chords = self.best_chords::<CUTS>(
             line,
             &ruler,
+            COARSE,
             |_, _| true,
             |cutting| {
                 let drives_m = |slot: usize| cutting.outer_cost_m(slot) - cutting.outer_m;
@@ -106,14 +119,17 @@ impl Sharing<'_> {
                 for (slot, &robot) in robots.iter().enumerate() {
                     let there_m = cutting.inner_cost_m(slot);
                     let rest_need_m = cutting.outer_m + all_drives_m - drives_m(slot);
-                    let worst = (there_m / fair_m).max(rest_need_m / rest_m) * fair_m;
+                    let worst = (there_m / fair_m).max(rest_need_m / rest_m) * fair_m
+                        + SUM_WORTH * (there_m + rest_need_m);
                     if best.is_none_or(|(least, ..)| worst < least) {
                         best = Some((worst, robot, usize::MAX));
                     }
                 }
                 best
             },
-        )
+        );
+        let chords = self.least_overlapping(line, chords);
+        chords.get(rank).or(chords.last()).copied()
     }
 
     /// Joins and cuts again pairs of neighbours; whether anything got better.
@@ -129,7 +145,8 @@ impl Sharing<'_> {
         let costs: Vec<f64> = shares.iter().map(|share| self.cost_m(share)).collect();
         order.sort_by(|&(a, b), &(c, d)| costs[c].max(costs[d]).total_cmp(&costs[a].max(costs[b])));
         for (a, b) in order {
-            if settled.contains(&(a, b)) || (stay_worth > 0.0 && self.are_even(&shares[a], &shares[b])) {
+            let is_even = stay_worth > 0.0 && self.are_even(&shares[a], &shares[b]);
+            if is_even || settled.contains(&(a, b)) {
                 continue;
             }
             let evened = self.even_pair(shares, a, b, stay_worth);
@@ -168,7 +185,7 @@ impl Sharing<'_> {
             let gives = |given_m: f64, left_m: f64| (before_m[1] + given_m).max(left_m + kept_m);
             gives(inner_m, outer_m).min(gives(outer_m, inner_m)) < before_m[0]
         };
-        let chords = self.best_chords::<GIVEN>(&giver.line, &ruler, may_do, |cutting| {
+        let chords = self.best_chords::<GIVEN>(&giver.line, &ruler, 1, may_do, |cutting| {
             let touches_inside = touching[cutting.last + 1] - touching[cutting.first];
             let touches_outside = touching[giver.line.len()] - touches_inside;
             let give_inner = cutting.outer_cost_m(0).max(before_m[1] + cutting.inner_m);
@@ -233,8 +250,12 @@ impl Sharing<'_> {
     fn even_pair(&mut self, shares: &mut [Share], a: usize, b: usize, stay_worth: f64) -> bool {
         let before_m = [self.cost_m(&shares[a]), self.cost_m(&shares[b])];
         let (most_m, least_m) = (before_m[0].max(before_m[1]), before_m[0].min(before_m[1]));
-        let before =
-            PairBefore { score_m: score_m(most_m, least_m), least_gain_m: most_m * EVEN / 4.0, stay_worth };
+        let before = PairBefore {
+            score_m: score_m(most_m, least_m),
+            least_gain_m: most_m * EVEN / 4.0,
+            stay_worth,
+            overlap_worth: if most_m - least_m > FAR_APART * most_m { 0.0 } else { OVERLAP_WORTH },
+        };
         let joins = self.joins(&shares[a].line, &shares[b].line);
         let tries = if most_m - least_m > UNEVEN * most_m { JOINS } else { 1 };
         joins.into_iter().take(tries).any(|exchange| self.recut(shares, (a, b), exchange, &before))
@@ -259,7 +280,7 @@ impl Sharing<'_> {
         let less_m = robots.map(|robot| self.corrections_m[robot]).into_iter().fold(0.0, f64::min);
         let may_do =
             |inner_m: f64, outer_m: f64| score_m(inner_m + less_m, outer_m + less_m) < before.score_m;
-        let chord = self.best_chord(&line, &ruler, may_do, |cutting| {
+        let chords = self.best_chords::<CUTS>(&line, &ruler, 1, may_do, |cutting| {
             // Places that change hands when `one` gets the part inside.
             let inside = cutting.last + 1 - cutting.first;
             let inside_ones = (ones[cutting.last + 1] - ones[cutting.first]) as usize;
@@ -274,7 +295,9 @@ impl Sharing<'_> {
             };
             Some(best)
         });
-        if let Some(chord) = chord {
+        if let Some(&chord) = self.least_overlapping(&line, chords).first() {
+            let overlap_m =
+                self.overlap_m(&line, &line[chord.first..=chord.last]) - self.overlap_m(&line, &one.line);
             let turns_m = turn_m
                 + TURN_WORTH
                     * self.web.width_m
@@ -285,7 +308,9 @@ impl Sharing<'_> {
                 Share { robot: chord.outer_robot, line: outer },
             ];
             let [one_m, other_m] = pair.each_ref().map(|share| self.cost_m(share));
-            if score_m(one_m, other_m) + PAIR_TURN * turns_m.max(0.0) < before.score_m - before.least_gain_m {
+            let cost_m =
+                score_m(one_m, other_m) + PAIR_TURN * turns_m.max(0.0) + before.overlap_worth * overlap_m;
+            if cost_m < before.score_m - before.least_gain_m {
                 [shares[a], shares[b]] = pair;
                 return true;
             }
@@ -295,12 +320,12 @@ impl Sharing<'_> {
         false
     }
 
-    /// Line and drives of a share, metres.
+    /// Line and drives of a share, with what smoothing adds, metres.
     pub(super) fn cost_m(&self, share: &Share) -> f64 {
         let line = &share.line;
         let next = line.iter().cycle().skip(1);
         let line_m: f64 = line.iter().zip(next).map(|(&a, &b)| self.web.distance_m(a, b)).sum();
-        line_m + 2.0 * self.drive_m(share.robot, line) + self.corrections_m[share.robot]
+        line_m + DRIVE_COST * self.drive_m(share.robot, line) + self.corrections_m[share.robot]
     }
 
     pub(super) fn drive_m(&self, robot: usize, line: &[u32]) -> f64 {
@@ -342,30 +367,46 @@ impl Sharing<'_> {
         a % 3 == 0 || !self.web.is_short(a, a2) || !self.web.is_short(b, b2)
     }
 
-    /// The chord with the least score; `judge` says makespan, robot inside and robot outside from the two lengths and
-    /// the drives of each robot to either; `may_do`, whether lengths inside and outside are worth a closer look.
-    fn best_chord(
-        &self,
-        line: &[u32],
-        ruler: &Ruler,
-        may_do: impl Fn(f64, f64) -> bool,
-        judge: impl Fn(&Cutting<'_>) -> Option<(f64, usize, usize)>,
-    ) -> Option<Chord> {
-        self.best_chords::<1>(line, ruler, may_do, judge).first().copied()
+    /// Chords by their scores when ground that both sides of them sweep counts, too; the least first.
+    fn least_overlapping(&self, line: &[u32], mut chords: Vec<Chord>) -> Vec<Chord> {
+        for chord in &mut chords {
+            chord.score_m += OVERLAP_WORTH * self.overlap_m(line, &line[chord.first..=chord.last]);
+        }
+        chords.sort_by(|a, b| a.score_m.total_cmp(&b.score_m));
+        chords
     }
 
-    /// The best chord that begins in each of N parts of a line, the best first.
+    /// How much of the way of one part of a line is swept by the rest of it, too: metres at the tool's full width.
+    fn overlap_m(&self, line: &[u32], part: &[u32]) -> f64 {
+        let (is_line, is_part) = (self.marks(line), self.marks(part));
+        let width_m = self.web.width_m;
+        let swept_twice_m = |&place: &u32| {
+            let rest = self
+                .neighbours
+                .of(place)
+                .iter()
+                .filter(|&&beside| is_line[beside as usize] && !is_part[beside as usize]);
+            let apart_m = rest.map(|&beside| self.web.distance_m(place, beside)).fold(width_m, f64::min);
+            SPACING * (width_m - apart_m)
+        };
+        part.iter().map(swept_twice_m).sum()
+    }
+
+    /// The best chord that begins in each of N parts of a line, the best first; every `step`th place is tried; `judge` says makespan, robot inside
+    /// and robot outside from the two lengths and the drives of each robot to either; `may_do`, whether lengths
+    /// inside and outside are worth a closer look.
     fn best_chords<const N: usize>(
         &self,
         line: &[u32],
         ruler: &Ruler,
+        step: usize,
         may_do: impl Fn(f64, f64) -> bool,
         judge: impl Fn(&Cutting<'_>) -> Option<(f64, usize, usize)>,
     ) -> Vec<Chord> {
         let mut position = vec![u32::MAX; self.web.len()];
         line.iter().enumerate().for_each(|(at, &place)| position[place as usize] = at as u32);
         let mut chords: [Option<Chord>; N] = [None; N];
-        for (before_first, &place) in line.iter().enumerate() {
+        for (before_first, &place) in line.iter().enumerate().step_by(step) {
             let best = &mut chords[before_first * N / line.len()];
             for &beside in self.neighbours.of(place) {
                 let after_last = position[beside as usize];
@@ -429,15 +470,17 @@ struct Cutting<'a> {
 }
 
 impl Cutting<'_> {
-    /// The part within and the drives of a robot there and back, metres.
+    /// The part within and what the drives of a robot cost, metres.
     fn inner_cost_m(&self, slot: usize) -> f64 {
-        self.inner_m + self.ruler.corrections_m[slot] + 2.0 * self.ruler.inside_m(slot, self.first, self.last)
+        self.inner_m
+            + self.ruler.corrections_m[slot]
+            + DRIVE_COST * self.ruler.inside_m(slot, self.first, self.last)
     }
 
     fn outer_cost_m(&self, slot: usize) -> f64 {
         self.outer_m
             + self.ruler.corrections_m[slot]
-            + 2.0 * self.ruler.outside_m(slot, self.first, self.last)
+            + DRIVE_COST * self.ruler.outside_m(slot, self.first, self.last)
     }
 }
 
@@ -446,6 +489,7 @@ struct PairBefore {
     score_m: f64,
     least_gain_m: f64,
     stay_worth: f64,
+    overlap_worth: f64,
 }
 
 /// The longer of two lines; less way in all counts a little, for it is evened out among all in the end.

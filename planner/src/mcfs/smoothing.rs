@@ -12,7 +12,7 @@ use terrain::Point;
 
 /// Numbers of points between the ends of the stretches that are tried.
 const STRETCHES: [usize; 8] = [1, 2, 3, 4, 6, 8, 11, LONGEST];
-const LONGEST: usize = 15;
+pub(super) const LONGEST: usize = 15;
 /// The least gain that counts, in widths of the tool.
 const LEAST_GAIN: f64 = 1e-3;
 /// Share of the area cut off that is surely lost.
@@ -35,14 +35,12 @@ pub(super) struct Smoothing<'a> {
 }
 
 impl Smoothing<'_> {
-    /// Smooths the lines that are new; first and last points stay.
-    pub(super) fn smooth(&mut self, lines: &mut [Vec<Point>], is_new: &[bool]) {
-        let new: Vec<usize> = (0..lines.len()).filter(|&line| is_new[line]).collect();
-        let mut quiet: Vec<Vec<bool>> = lines.iter().map(|line| vec![false; line.len()]).collect();
+    /// Smooths lines at the points that are not quiet; first and last points stay.
+    pub(super) fn smooth(&mut self, lines: &mut [Vec<Point>], mut quiet: Vec<Vec<bool>>) {
         for _ in 0..SWEEPS {
             let mut changed = false;
-            for &line in &new {
-                changed |= self.sweep(&mut lines[line], &mut quiet[line]);
+            for (line, quiet) in lines.iter_mut().zip(&mut quiet) {
+                changed |= self.sweep(line, quiet);
             }
             if !changed {
                 break;
@@ -152,21 +150,29 @@ impl Smoothing<'_> {
         if !new.windows(2).all(|pair| self.walls.is_clear(pair[0], pair[1])) {
             return false;
         }
-        let before_m2 = self.swept.unswept_m2();
-        self.exchange(&line[from..=to], &new);
-        let lost_m = (self.swept.unswept_m2() - before_m2) / self.width_m * self.ground_worth;
-        let is_enough = lost_m <= 0.0 || self.swept.coverage() >= self.least_coverage;
-        if is_enough && lost_m < shortcut.way_gain_m - LEAST_GAIN * self.width_m {
+        let most_m2 = (shortcut.way_gain_m - LEAST_GAIN * self.width_m) * self.width_m / self.ground_worth;
+        if self.exchange(&line[from..=to], &new, most_m2) {
             line.splice(from + 1..to, shortcut.corner);
             return true;
         }
-        self.exchange(&new, &line[from..=to]);
         false
     }
 
-    fn exchange(&mut self, old: &[Point], new: &[Point]) {
+    /// Sweeps one way in place of another, unless that loses `most_m2` of ground or more.
+    fn exchange(&mut self, old: &[Point], new: &[Point], most_m2: f64) -> bool {
+        let before_m2 = self.swept.unswept_m2();
         new.windows(2).for_each(|pair| self.swept.put_in(pair[0], pair[1]));
-        old.windows(2).for_each(|pair| self.swept.take_out(pair[0], pair[1]));
+        for (out, pair) in old.windows(2).enumerate() {
+            self.swept.take_out(pair[0], pair[1]);
+            let lost_m2 = self.swept.unswept_m2() - before_m2;
+            let is_too_much = lost_m2 > 0.0 && self.swept.coverage() < self.least_coverage;
+            if lost_m2 >= most_m2 || is_too_much {
+                old[..out + 2].windows(2).for_each(|pair| self.swept.put_in(pair[0], pair[1]));
+                new.windows(2).for_each(|pair| self.swept.take_out(pair[0], pair[1]));
+                return false;
+            }
+        }
+        true
     }
 }
 

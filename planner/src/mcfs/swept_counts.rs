@@ -91,6 +91,30 @@ impl SweptCounts {
         self.unswept as f64 * self.square_m * self.square_m
     }
 
+    /// Ground that several of the lines sweep, square metres.
+    pub(super) fn shared_m2(ground: &Polygon<f64>, width_m: f64, lines: &[Vec<Point>]) -> f64 {
+        const OUTSIDE: u16 = 1;
+        const SEVERAL: u16 = u16::MAX;
+        // The counts hold who sweeps a square.
+        let mut owners = Self::new(ground, width_m);
+        let mut shared = 0_u32;
+        for (line, own) in lines.iter().zip(OUTSIDE + 1..SEVERAL) {
+            for pair in line.windows(2) {
+                owners.each_span(Segment::new(pair[0], pair[1]), |span| {
+                    for owner in span {
+                        if *owner == 0 {
+                            *owner = own;
+                        } else if ![own, OUTSIDE, SEVERAL].contains(owner) {
+                            *owner = SEVERAL;
+                            shared += 1;
+                        }
+                    }
+                });
+            }
+        }
+        f64::from(shared) * owners.square_m * owners.square_m
+    }
+
     /// The connected pieces of ground that nothing sweeps, of at least so much area: the middles of their squares.
     pub(super) fn gaps(&self, least_m2: f64) -> Vec<Vec<Point>> {
         let mut seen = vec![false; self.counts.len()];

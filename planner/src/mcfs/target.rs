@@ -30,13 +30,10 @@ const RASTER_ERROR: f64 = 8e-4;
 pub(super) fn cover_share(instance: &PolygonInstance, options: &McfsOptions, target: f64) -> Option<Cover> {
     let trials = LEAST_YIELDS.into_iter().filter_map(|least_yield| {
         let search = Search { instance, options, target, least_yield };
-        search.nearest().map(|(first_m, cover)| (search, first_m, cover))
+        search.nearest().map(|(first_m, trial)| search.refined(first_m, trial))
     });
-    let best = trials.min_by(|a, b| a.2.makespan_m().total_cmp(&b.2.makespan_m()));
-    match best {
-        Some((search, first_m, trial)) => search.refined(first_m, trial),
-        None => super::whole(instance, options),
-    }
+    let best = trials.min_by(|a, b| a.makespan_m().total_cmp(&b.makespan_m()));
+    best.or_else(|| super::whole(instance, options))
 }
 
 /// Moves the tracks away from the walls until just enough is swept.
@@ -77,25 +74,27 @@ impl Search<'_> {
         best
     }
 
-    /// Plans a trial in full, and moves the tracks on while enough is swept.
-    fn refined(&self, mut near_m: f64, mut best: Cover) -> Option<Cover> {
+    /// Plans a trial in full, and moves the tracks on while enough is swept. Each time with all that the tracks sweep,
+    /// and with what is beyond the share given up.
+    fn refined(&self, mut near_m: f64, mut best: Cover) -> Cover {
         let mut step_m = self.rim_m(self.spare(&best).max(0.0));
         for round in 0..=REFINEMENTS {
             let first_m = if round == 0 { near_m } else { near_m + step_m };
             let Some(cover) = self.lines(first_m, self.options) else { break };
             let spare = self.spare(&cover);
+            let exact = self.lines_for(first_m, self.options, self.target + RASTER_ERROR);
+            for cover in exact.into_iter().chain([cover]).filter(|cover| self.spare(cover) >= 0.0) {
+                if cover.makespan_m() < best.makespan_m() {
+                    best = cover;
+                }
+            }
             if spare < 0.0 {
                 step_m *= 0.5;
-                continue;
-            }
-            (near_m, step_m) = (first_m, self.rim_m(spare));
-            if cover.makespan_m() < best.makespan_m() {
-                best = cover;
+            } else {
+                (near_m, step_m) = (first_m, self.rim_m(spare));
             }
         }
-        let exact = self.lines_for(near_m, self.options, self.target + RASTER_ERROR);
-        let enough = exact.filter(|cover| self.spare(cover) >= 0.0);
-        enough.into_iter().chain([best]).min_by(|a, b| a.makespan_m().total_cmp(&b.makespan_m()))
+        best
     }
 
     fn lines(&self, first_m: f64, options: &McfsOptions) -> Option<Cover> {
@@ -106,7 +105,8 @@ impl Search<'_> {
     fn lines_for(&self, first_m: f64, options: &McfsOptions, plenty: f64) -> Option<Cover> {
         let tracks = worthwhile(self.instance, tracks::tracks(self.instance, first_m), self.least_yield);
         let beyond = SPARE_GROUND_WORTHS;
-        let worth = GroundWorth { before: GROUND_WORTH, plenty, beyond, turn_beyond: TURN_WORTH };
+        let worth =
+            GroundWorth { before: GROUND_WORTH, scanty: 0.0, plenty, beyond, turn_beyond: TURN_WORTH };
         lines_along(self.instance, options, &tracks, &worth)
     }
 

@@ -13,6 +13,8 @@ use terrain::{Point, Vector};
 const TIP_RAD: f64 = 2.5;
 /// Half the width of a rounded tip, in tool widths: the widest one that there is room for.
 const HALF_WIDTHS: [f64; 4] = [0.25, 0.12, 0.06, 0.03];
+/// How far a rounded tip stays behind, in half widths: at a wall there may be no room to its sides.
+const BACKS: [f64; 2] = [0.0, 1.0];
 /// How far behind the tip the arms begin to part, in half widths.
 const PARTING: f64 = 3.0;
 
@@ -27,8 +29,10 @@ pub(super) fn round_tips(line: &mut Vec<Point>, walls: &Walls, width_m: f64) {
     let mut at = 1;
     while at + 1 < line.len() {
         if turn_at(line, at) > TIP_RAD {
-            let round = |half: f64| rounded(line, at, half * width_m, walls);
-            if let Some((range, corners)) = HALF_WIDTHS.into_iter().find_map(round) {
+            let round =
+                |(half, back): (f64, f64)| rounded(line, at, half * width_m, back * half * width_m, walls);
+            let shapes = HALF_WIDTHS.into_iter().flat_map(|half| BACKS.map(|back| (half, back)));
+            if let Some((range, corners)) = shapes.into_iter().find_map(round) {
                 at = range.start + corners.len();
                 line.splice(range, corners);
                 continue;
@@ -47,6 +51,7 @@ fn rounded(
     line: &[Point],
     tip: usize,
     half_m: f64,
+    back_m: f64,
     walls: &Walls,
 ) -> Option<(std::ops::Range<usize>, Vec<Point>)> {
     let reach_m = PARTING * half_m;
@@ -55,6 +60,7 @@ fn rounded(
     let apex = line[tip];
     let outwards = ((apex - before).normalize() + (apex - after).normalize()).try_normalize(1e-9)?;
     let across = Vector::new(-outwards.y, outwards.x);
+    let apex = apex - outwards * back_m;
     let side = if (before - after).dot(&across) >= 0.0 { across } else { -across };
     let corners = vec![before, apex + side * half_m, apex - side * half_m, after];
     let (from, to) = (tip - first, tip + last);

@@ -23,24 +23,11 @@ const SEAM: f64 = 0.04;
 #[derive(Debug, Clone)]
 pub(super) struct Track {
     /// Number from the walls inwards.
-    #[allow(dead_code, reason = "isolines of the paper's pipeline are numbered")]
     pub(super) depth: usize,
     pub(super) corners: Vec<Point>,
 }
 
 impl Track {
-    /// What the tool sweeps along it, a little less: a seam is no gap.
-    fn swept(&self, width_m: f64) -> MultiPolygon<f64> {
-        let ring: Vec<geo::Coord<f64>> =
-            self.corners.iter().chain(&self.corners[..1]).map(|p| geo::Coord { x: p.x, y: p.y }).collect();
-        let style = BufferStyle::new(width_m / 2.0).line_join(LineJoin::Round(0.2));
-        let pieces = ring.chunks(40).enumerate().map(|(number, piece)| {
-            let next = ring.get((number + 1) * 40).copied();
-            LineString::from(piece.iter().copied().chain(next).collect::<Vec<_>>())
-        });
-        geo::MultiLineString::new(pieces.collect()).buffer_with_style(style)
-    }
-
     pub(super) fn length_m(&self) -> f64 {
         let next = self.corners.iter().cycle().skip(1);
         self.corners.iter().zip(next).map(|(a, b)| (b - a).norm()).sum()
@@ -64,15 +51,26 @@ pub(super) fn tracks(instance: &PolygonInstance, first_m: f64) -> Vec<Track> {
 /// Thin closed lines on the ground that the tracks leave between them: where a pocket ends more than half a tool
 /// beyond the innermost track. Strips narrower than `least` tool widths are left out.
 pub(super) fn strips(instance: &PolygonInstance, tracks: &[Track], least: f64) -> Vec<Track> {
-    let (width_m, tolerance_m) = (instance.tool_width_m, SIMPLIFIED * instance.tool_width_m);
-    let swept: Vec<_> = tracks.iter().map(|track| track.swept((1.0 + SEAM) * width_m)).collect();
-    let left =
-        shrunk(instance, first_distance_m(instance), tolerance_m).difference(&geo::unary_union(&swept));
+    let (width_m, first_m) = (instance.tool_width_m, first_distance_m(instance));
+    let depths = tracks.iter().map(|track| track.depth + 1).max().unwrap_or(0);
+    let left = (0..depths).flat_map(|depth| left_between(instance, first_m + depth as f64 * width_m));
+    let left = MultiPolygon::new(left.collect());
     let style = BufferStyle::new(-0.5 * least * width_m).line_join(LineJoin::Round(0.5));
     let wide = left.buffer_with_style(style);
     let rings = wide.iter().filter(|part| part.unsigned_area() > 0.1 * width_m * width_m);
     let rings = rings.map(|part| corners(&part.exterior().simplify(0.05 * width_m)));
     rings.filter(|corners| corners.len() >= 3).map(|corners| Track { depth: 0, corners }).collect()
+}
+
+/// What the tool leaves between the tracks at a distance from the walls and the next ones inwards. A seam is no gap.
+fn left_between(instance: &PolygonInstance, distance_m: f64) -> MultiPolygon<f64> {
+    let width_m = instance.tool_width_m;
+    let tolerance_m = 0.02 * width_m;
+    let reach_m = (0.5 + SEAM / 2.0) * width_m;
+    let within = shrunk(instance, distance_m + reach_m, tolerance_m);
+    let style = BufferStyle::new(reach_m).line_join(LineJoin::Round(0.2));
+    let next = shrunk(instance, distance_m + width_m, tolerance_m).buffer_with_style(style);
+    within.difference(&next)
 }
 
 /// Distance of the first track from the walls, metres.

@@ -10,7 +10,7 @@ use super::walls::Walls;
 use terrain::{Point, Vector};
 
 /// Places are at most so many tool widths apart.
-const SPACING: f64 = 0.5;
+pub(super) const SPACING: f64 = 0.5;
 /// Headings are taken over about so many tool widths.
 const HEADING_OVER: f64 = 0.9;
 /// Links up to so many tool widths are stretches of a track.
@@ -22,6 +22,7 @@ const SHARP_RAD: f64 = 2.0;
 const BLUNT: f64 = 0.02;
 
 /// Places and links.
+#[derive(Clone)]
 pub(super) struct Web {
     pub(super) at: Vec<Point>,
     pub(super) track: Vec<u32>,
@@ -210,6 +211,11 @@ impl Web {
     /// Whether a link is a stretch of a track.
     pub(super) fn is_short(&self, a: u32, b: u32) -> bool {
         self.distance_m(a, b) <= SHORT * self.width_m
+    }
+
+    /// Whether a place follows another one on their track.
+    pub(super) fn is_stretch(&self, a: u32, b: u32) -> bool {
+        self.way_between_m(a, b) <= (1.0 + 1e-6) * SPACING * self.width_m
     }
 
     pub(super) fn apply(&mut self, exchange: Exchange) {
