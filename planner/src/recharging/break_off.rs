@@ -39,6 +39,8 @@ pub(crate) struct Place {
     pub(crate) goes_on: usize,
     /// Per station: the way to it from here, and back to the place at which it goes on, seconds.
     pub(crate) ways: Vec<Ways>,
+    /// Row-major by two stations: from the one by here to the other, seconds.
+    pub(crate) by_here_s: Vec<f64>,
 }
 
 /// The way to a station and back, seconds; infinite where there is none.
@@ -87,19 +89,20 @@ impl Tour {
     pub(crate) fn breaks(&self, rule: BreakOff) -> Result<Vec<Break>, OutOfRange> {
         match rule {
             BreakOff::Optimal => self.optimal_breaks(),
-            BreakOff::Latest => self.latest_breaks(),
+            // Between several stations the rule may come to a place that it cannot leave, where others would have gone on.
+            BreakOff::Latest => self.latest_breaks().map_or_else(|| self.optimal_breaks(), Ok),
         }
     }
 
     /// Time of the tour with these breaks, seconds.
     #[cfg(test)]
     fn total_s(&self, breaks: &[Break]) -> f64 {
-        let detour_s = |at: &Break| {
-            let (place, ways) = (&self.places[at.place], self.ways(*at));
-            let saved_s = self.goes_on_s(at.place) - place.at_s;
-            ways.home_s + self.visit_s[at.station] + ways.back_s - saved_s
+        let detour_s = |(number, &at): (usize, &Break)| {
+            let before = number.checked_sub(1).map(|before| breaks[before]);
+            self.home_s(before, at) + self.visit_s[at.station] + self.ways(at).back_s
+                - self.goes_on_s(at.place)
         };
-        self.end_s + breaks.iter().map(detour_s).sum::<f64>()
+        self.end_s + breaks.iter().enumerate().map(detour_s).sum::<f64>()
     }
 
     fn ways(&self, at: Break) -> Ways {
@@ -108,6 +111,22 @@ impl Tour {
 
     fn goes_on_s(&self, place: usize) -> f64 {
         self.places[self.places[place].goes_on].leaves_s
+    }
+
+    /// S when the station of a break is reached, after the break before. From one station to another the place at which
+    /// it goes on may be nothing but on the way: then nothing of the tour is driven in between.
+    fn home_s(&self, before: Option<Break>, at: Break) -> f64 {
+        match before {
+            Some(before) if before.place < at.place && self.places[before.place].goes_on == at.place => {
+                self.goes_on_s(before.place) - self.ways(before).back_s + self.by_s(before, at)
+            }
+            _ => self.places[at.place].at_s + self.ways(at).home_s,
+        }
+    }
+
+    /// From the station of a break to that of the next one, by the next one's place, seconds.
+    fn by_s(&self, before: Break, at: Break) -> f64 {
+        self.places[at.place].by_here_s[before.station * self.stations() + at.station]
     }
 
     fn stations(&self) -> usize {
@@ -129,25 +148,57 @@ impl Tour {
         // Breaks that open when the place is reached at which they go on.
         let mut opens: Vec<Vec<Break>> = vec![Vec::new(); self.places.len() + 1];
         let mut before: Vec<Option<Charge>> = vec![None; self.places.len() * self.stations()];
-        for at in self.all_breaks() {
-            if at.station == 0 {
-                for open in std::mem::take(&mut opens[at.place]) {
-                    charges.open(self, open, before[self.number(open)].expect("it was reached").value_s);
+        // By how much no charge lasts there and on to a station, where that is worst.
+        let mut worst = (0.0, self.places.len() - 1);
+        let mut note = |over_s: f64, place: usize| {
+            if over_s.is_finite() && over_s > worst.0 {
+                worst = (over_s, place);
+            }
+            OutOfRange { place: worst.1, takes_s: self.budget_s + worst.0, lasts_s: self.budget_s }
+        };
+        for place in 0..self.places.len() {
+            let open = std::mem::take(&mut opens[place]);
+            let (here, earlier): (Vec<Break>, Vec<Break>) =
+                open.into_iter().partition(|open| self.places[open.place].goes_on == place);
+            let value_s = |before: &[Option<Charge>], open: Break| {
+                before[self.number(open)].expect("it was reached").value_s
+            };
+            for open in earlier {
+                charges.open(self, open, value_s(&before, open));
+            }
+            for station in 0..self.stations() {
+                let at = Break { place, station };
+                let home_s = self.ways(at).home_s;
+                let along = charges.best(self.places[place].at_s + home_s);
+                let along =
+                    along.map(|charge| (charge.value_s + self.places[place].at_s + home_s, charge.at));
+                // From one station to the next by this place.
+                let by = here.iter().filter_map(|&open| {
+                    let home_s = self.home_s(Some(open), at);
+                    let lasts = self.by_s(open, at) <= self.budget_s;
+                    lasts.then(|| (value_s(&before, open) + home_s, Some(open)))
+                });
+                let Some((spent_s, last)) = along.into_iter().chain(by).min_by(|a, b| a.0.total_cmp(&b.0))
+                else {
+                    continue;
+                };
+                let visited_s = spent_s + self.visit_s[station];
+                let value_s = visited_s + self.ways(at).back_s - self.goes_on_s(place);
+                if value_s.is_finite() {
+                    before[self.number(at)] = Some(Charge { value_s, at: last });
+                    opens[self.places[place].goes_on.max(place + 1)].push(at);
                 }
             }
-            let needs_s = self.places[at.place].at_s + self.ways(at).home_s;
-            let Some(charge) = charges.best(needs_s) else { continue };
-            let spent_s = charge.value_s + needs_s + self.visit_s[at.station];
-            let value_s = spent_s + self.ways(at).back_s - self.goes_on_s(at.place);
-            if value_s.is_finite() {
-                before[self.number(at)] = Some(Charge { value_s, at: charge.at });
-                opens[self.places[at.place].goes_on.max(at.place + 1)].push(at);
+            for open in here {
+                charges.open(self, open, value_s(&before, open));
             }
         }
         for open in opens.into_iter().flatten() {
             charges.open(self, open, before[self.number(open)].expect("it was reached").value_s);
         }
-        let last = charges.best(self.end_s + self.left_at_end_s).ok_or_else(|| self.out_of_range())?;
+        let ends_s = self.end_s + self.left_at_end_s;
+        let found = note(ends_s - charges.latest_s, self.places.len() - 1);
+        let last = charges.best(ends_s).ok_or(found)?;
         let mut breaks: Vec<Break> =
             std::iter::successors(last.at, |&at| before[self.number(at)].and_then(|charge| charge.at))
                 .collect();
@@ -155,30 +206,32 @@ impl Tour {
         Ok(breaks)
     }
 
-    fn latest_breaks(&self) -> Result<Vec<Break>, OutOfRange> {
+    fn latest_breaks(&self) -> Option<Vec<Break>> {
         let mut breaks: Vec<Break> = Vec::new();
         let (mut place, mut began_s, mut lasts_s) = (0, 0.0, self.first_budget_s);
         while place < self.places.len() {
-            if self.then_home_s(place) - began_s > lasts_s {
-                return Err(self.out_of_range());
+            if self.then_home_s(breaks.last().copied(), place) - began_s > lasts_s {
+                return None;
             }
-            if self.then_home_s(place + 1) - began_s <= lasts_s {
+            if self.then_home_s(None, place + 1) - began_s <= lasts_s {
                 place += 1;
                 continue;
             }
             let at = self.nearest(place).filter(|at| breaks.last() != Some(at));
-            let at = at.ok_or_else(|| self.out_of_range())?;
+            let at = at?;
             breaks.push(at);
             (began_s, lasts_s) = (self.goes_on_s(at.place) - self.ways(at).back_s, self.budget_s);
             place = self.places[place].goes_on;
         }
-        Ok(breaks)
+        Some(breaks)
     }
 
-    /// S at a place, or behind the last one at the end, and what must be left there to get to a station.
-    fn then_home_s(&self, place: usize) -> f64 {
-        let Some(at) = self.places.get(place) else { return self.end_s + self.left_at_end_s };
-        at.at_s + self.nearest(place).map_or(f64::INFINITY, |at| self.ways(at).home_s)
+    /// S at a place after a break, or behind the last place at the end, and what must be left there to get to a station.
+    fn then_home_s(&self, before: Option<Break>, place: usize) -> f64 {
+        if place == self.places.len() {
+            return self.end_s + self.left_at_end_s;
+        }
+        self.nearest(place).map_or(f64::INFINITY, |at| self.home_s(before, at))
     }
 
     fn nearest(&self, place: usize) -> Option<Break> {
@@ -186,28 +239,6 @@ impl Tour {
         let reached = all.filter(|&at| self.ways(at).home_s.is_finite() && self.ways(at).back_s.is_finite());
         let spent_s = |at: Break| self.ways(at).home_s + self.visit_s[at.station];
         reached.min_by(|&a, &b| spent_s(a).total_cmp(&spent_s(b)))
-    }
-
-    /// The worst place: where the way there, one step along the tour and the way home take longest.
-    fn out_of_range(&self) -> OutOfRange {
-        let least = |place: usize, way: fn(&Ways) -> f64| {
-            self.places[place].ways.iter().map(way).fold(f64::INFINITY, f64::min)
-        };
-        let start_s = least(0, |ways| ways.home_s);
-        if start_s > self.first_budget_s {
-            return OutOfRange { place: 0, takes_s: start_s, lasts_s: self.first_budget_s };
-        }
-        let step = |place: usize| {
-            let on = self.places[place].goes_on;
-            let then_s = match self.places.get(on + 1) {
-                Some(next) => next.at_s + least(on + 1, |ways| ways.home_s),
-                None => self.end_s + self.left_at_end_s,
-            };
-            let takes_s = least(place, |ways| ways.back_s) + then_s - self.goes_on_s(place);
-            OutOfRange { place: (on + 1).min(self.places.len() - 1), takes_s, lasts_s: self.budget_s }
-        };
-        let worst = (0..self.places.len()).map(step).max_by(|a, b| a.takes_s.total_cmp(&b.takes_s));
-        worst.expect("a tour has places")
     }
 }
 
@@ -224,6 +255,8 @@ struct Charges {
     /// Descending.
     deadlines_s: Vec<f64>,
     tree: Vec<Option<Charge>>,
+    /// The latest of those that have been put in.
+    latest_s: f64,
 }
 
 impl Charges {
@@ -232,7 +265,7 @@ impl Charges {
         let mut deadlines_s: Vec<f64> = deadlines_s.chain([tour.first_budget_s]).collect();
         deadlines_s.sort_by(|a, b| b.total_cmp(a));
         let tree = vec![None; deadlines_s.len() + 1];
-        let mut charges = Self { deadlines_s, tree };
+        let mut charges = Self { deadlines_s, tree, latest_s: f64::NEG_INFINITY };
         charges.insert(tour.first_budget_s, Charge { value_s: 0.0, at: None });
         charges
     }
@@ -247,6 +280,7 @@ impl Charges {
     }
 
     fn insert(&mut self, deadline_s: f64, charge: Charge) {
+        self.latest_s = self.latest_s.max(deadline_s);
         let mut node = self.deadlines_s.partition_point(|&other| other > deadline_s) + 1;
         while let Some(held) = self.tree.get_mut(node) {
             if held.is_none_or(|held| charge.value_s < held.value_s) {
@@ -292,10 +326,12 @@ mod tests {
             let last = steps.len() - 1;
             let places = steps.iter().enumerate().map(|(place, step_s)| {
                 let ways = ways[place * stations..][..stations].iter();
-                let ways = ways.map(|&(home_s, back_s)| Ways { home_s, back_s }).collect();
+                let ways: Vec<Ways> = ways.map(|&(home_s, back_s)| Ways { home_s, back_s }).collect();
+                let by = |from: &Ways| ways.iter().map(move |to| 0.7 * (from.back_s + to.home_s)).collect::<Vec<_>>();
+                let by_here_s = ways.iter().flat_map(by).collect();
                 let (here_s, leaves_s) = (at_s, at_s + 0.3 * step_s);
                 at_s += step_s;
-                Place { at_s: here_s, leaves_s, goes_on: place + usize::from(saved[place] && place < last), ways }
+                Place { at_s: here_s, leaves_s, goes_on: place + usize::from(saved[place] && place < last), ways, by_here_s }
             });
             Tour { places: places.collect(), end_s: at_s, left_at_end_s, visit_s, budget_s, first_budget_s }
         }
@@ -304,8 +340,9 @@ mod tests {
     /// Whether every trip lasts.
     fn lasts(tour: &Tour, breaks: &[Break]) -> bool {
         let (mut from_s, mut lasts_s) = (0.0, tour.first_budget_s);
-        for &at in breaks {
-            if tour.places[at.place].at_s + tour.ways(at).home_s - from_s > lasts_s + 1e-9 {
+        for (number, &at) in breaks.iter().enumerate() {
+            let before = number.checked_sub(1).map(|before| breaks[before]);
+            if tour.home_s(before, at) - from_s > lasts_s + 1e-9 {
                 return false;
             }
             from_s = tour.goes_on_s(at.place) - tour.ways(at).back_s;

@@ -97,6 +97,10 @@ impl<'a> Line<'a> {
             leaves_s: leaves_s[point],
             goes_on: goes_on[point],
             ways: stations.clone().map(|station| self.ways(point, goes_on[point], station)).collect(),
+            by_here_s: stations
+                .clone()
+                .flat_map(|from| stations.clone().map(move |to| self.by_s(point, from, to)))
+                .collect(),
         };
         let home_s = |station| self.home_s(last, station);
         let nearest_s = stations.clone().map(home_s).fold(f64::INFINITY, f64::min);
@@ -159,6 +163,20 @@ impl<'a> Line<'a> {
     /// The way from one place to a station and back to another, with the turns from and into the line.
     fn ways(&self, from: usize, to: usize, station: usize) -> Ways {
         Ways { home_s: self.home_s(from, station), back_s: self.back_s(to, station) }
+    }
+
+    /// From one station by a point to another, seconds; turning at the first is part of the charge.
+    fn by_s(&self, point: usize, from: usize, to: usize) -> f64 {
+        let (Some(out), Some(home)) = (&self.ways[point][from], &self.ways[point][to]) else {
+            return f64::INFINITY;
+        };
+        let turn_s = match (&out[..], &home[..]) {
+            ([here, before, ..], [_, next, ..]) => {
+                self.motion().turn_s(angle_between(heading_rad(*before, *here), heading_rad(*here, *next)))
+            }
+            _ => 0.0,
+        };
+        self.instance.path_s(out, None) + turn_s + self.instance.path_s(home, None)
     }
 
     fn home_s(&self, point: usize, station: usize) -> f64 {
