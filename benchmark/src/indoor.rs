@@ -28,6 +28,8 @@ const WHOLE: f64 = 0.997;
 /// So many plans are tried; the fastest of those that sweep enough counts (else the one that sweeps the most), and the CPU it
 /// took alone.
 const TRIES: u32 = 4;
+/// So much more than wanted is no reason to plan again.
+const NEAR_ENOUGH: f64 = 0.001;
 /// The most that is asked for.
 const MOST: f64 = 0.9995;
 
@@ -128,6 +130,8 @@ fn measure(
             below = point;
         }
         asked = match (below, enough) {
+            // More than wanted: it may well take less time to sweep less.
+            (None, Some([asked, _])) if missing < -NEAR_ENOUGH => asked + 1.2 * missing,
             (None, _) => break,
             (Some([asked, _]), None) if asked >= MOST => break,
             (Some([asked, _]), None) => (asked + 1.2 * missing + 0.0005).min(MOST),

@@ -18,8 +18,13 @@ impl<'a> Work<'a> {
         let lattice = *instance.floor.lattice();
         let along_lattice = plan.routes.iter().all(|route| is_along_lattice(instance, route));
         let mut entered = vec![false; lattice.len()];
-        let starts = instance.starts.iter().filter_map(|start| lattice.index(start.cell));
-        starts.for_each(|index| entered[index] = true);
+        // Who has no route is not counted on where it stands.
+        let driven = instance.starts.iter().zip(&plan.routes).filter(|(_, route)| !route.points.is_empty());
+        for (start, _) in driven {
+            if let Some(index) = lattice.index(start.cell) {
+                entered[index] = true;
+            }
+        }
         Self { instance, along_lattice, entered, swept: SweptRaster::new(lattice) }
     }
 
