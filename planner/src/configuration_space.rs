@@ -498,7 +498,8 @@ fn refined(lattice: &Lattice, fineness: u32) -> Lattice {
 mod tests {
     use super::*;
     use crate::{Mode, Start};
-    use terrain::{Floor, GridMap, MotionModel};
+    use proptest::prelude::*;
+    use terrain::{Floor, GridMap, MotionModel, Passages};
 
     const MOTION: MotionModel = MotionModel {
         speed_m_per_s: 0.5,
@@ -523,6 +524,37 @@ mod tests {
         let last = instance.blocked.len() - 1;
         instance.blocked[last] = true;
         check(&ConfigurationSpace::new(&instance));
+    }
+
+    proptest! {
+        /// Two searches that share no code: whoever gets somewhere here also does over moves and passages.
+        #[test]
+        fn moves_and_passages_lead_wherever_the_body_gets(
+            free in prop::collection::vec(prop::bool::weighted(0.93), 24 * 20),
+            slant in -3_i32..4,
+            radius_m in 0.15_f64..0.45,
+            start in any::<prop::sample::Index>(),
+        ) {
+            // A slanted wall with a gap, and specks.
+            let is_free = |(number, free): (usize, &bool)| {
+                let (x, y) = (number as i32 % 24, number as i32 / 24);
+                let on_wall = (4 * (x - 12) - slant * (y - 10)).abs() < 4 && !(8..12).contains(&y);
+                *free && !on_wall
+            };
+            let squares = free.iter().enumerate().map(is_free).collect();
+            let map = GridMap::new(24, 20, 0.25, Point::origin(), squares).unwrap();
+            let Ok(floor) = Floor::new(&map, 0.5, radius_m, 0.7) else { return Ok(()) };
+            let cells: Vec<Cell> = floor.lattice().cells().filter(|&cell| floor.cell_is_drivable(cell)).collect();
+            let start = *start.get(&cells);
+            let instance = Instance::whole_floor(&floor, vec![Start::at(start)], MOTION, Mode::Cover);
+            let space = ConfigurationSpace::new(&instance);
+            let reached = Passages::new(&floor).reached(&floor, [start], |_| true);
+            for cell in cells {
+                let is_reached_here = space.place_in_middle(cell).is_some_and(|place| space.is_reached(place));
+                let index = floor.lattice().index(cell).unwrap();
+                prop_assert!(reached[index] || !is_reached_here, "{} from {}", cell, start);
+            }
+        }
     }
 
     #[test]

@@ -227,22 +227,26 @@ impl<'s, 'a> LaneTour<'s, 'a> {
 
     /// What taking the lane at a place of the order out saves, seconds.
     pub(crate) fn saving_s(&mut self, at: usize) -> f64 {
-        let lanes = self.order.len();
-        let (before, entry, after) = (self.exit(at + lanes - 1), self.entry(at), self.entry(at + 1));
-        let motion = self.transfers.space().instance().motion;
-        let inner_s = motion.path_s(&self.lanes[entry / 2].points, None);
-        let apart_s = self.price(before, entry) + self.price(entry ^ 1, after);
-        inner_s + apart_s - self.price(before, after)
+        let (before, after) = self.ends_around(at);
+        self.taken_s(at) - self.price(before, after)
     }
 
     /// As [`Self::saving_s`], or a little more: as if the way without the lane were straight.
     pub(crate) fn most_saving_s(&mut self, at: usize) -> f64 {
-        let lanes = self.order.len();
-        let (before, entry, after) = (self.exit(at + lanes - 1), self.entry(at), self.entry(at + 1));
+        let (before, after) = self.ends_around(at);
+        self.taken_s(at) - self.price_at_least(before, after)
+    }
+
+    fn ends_around(&self, at: usize) -> (usize, usize) {
+        (self.exit(at + self.order.len() - 1), self.entry(at + 1))
+    }
+
+    /// The lane at a place of the order, and the ways to it and from it, seconds.
+    fn taken_s(&mut self, at: usize) -> f64 {
+        let ((before, after), entry) = (self.ends_around(at), self.entry(at));
         let motion = self.transfers.space().instance().motion;
         let inner_s = motion.path_s(&self.lanes[entry / 2].points, None);
-        let apart_s = self.price(before, entry) + self.price(entry ^ 1, after);
-        inner_s + apart_s - self.price_at_least(before, after)
+        inner_s + self.price(before, entry) + self.price(entry ^ 1, after)
     }
 
     /// Takes the lane at a place of the order out.

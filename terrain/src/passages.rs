@@ -10,7 +10,8 @@
 //! **Idea.** Each piece but the largest, one after another: a shortest way over free places from its centres to a
 //! centre of any other piece, then pulled straight. Who found one belongs to the other piece from then on, and goes on
 //! until the largest is met or no way is left. Ground deep inside pieces is not searched: moves join it anyway.
-//! **Complexity.** O(s log s) for the s places along the rims of all pieces but the largest.
+//! **Complexity.** O(s log s) a search for the s places along the rims of its group; a piece that is joined to j others before the
+//! largest is searched j times.
 
 use crate::{Cell, Direction, Floor, Lattice, Point, Segment};
 use std::{
@@ -125,8 +126,11 @@ impl Passages {
 struct Pieces<'a> {
     floor: &'a Floor,
     piece_of: Vec<u32>,
+    cells_of: Vec<Vec<Cell>>,
     /// Per piece, its group.
     group_of: Vec<u32>,
+    /// Per group, its pieces.
+    members: Vec<Vec<u32>>,
     /// Per group: whether its search came to nothing.
     closed: Vec<bool>,
     largest: u32,
@@ -136,11 +140,16 @@ impl<'a> Pieces<'a> {
     fn new(floor: &'a Floor) -> Self {
         let piece_of = floor.pieces();
         let count = piece_of.iter().filter(|&&piece| piece != NO_PIECE).max().map_or(0, |&last| last + 1);
-        let mut sizes = vec![0_usize; count as usize];
-        piece_of.iter().filter(|&&piece| piece != NO_PIECE).for_each(|&piece| sizes[piece as usize] += 1);
-        let largest = (0..count).max_by_key(|&piece| (sizes[piece as usize], Reverse(piece))).unwrap_or(0);
+        let mut cells_of = vec![Vec::new(); count as usize];
+        for (cell, &piece) in floor.lattice().cells().zip(&piece_of).filter(|(_, piece)| **piece != NO_PIECE)
+        {
+            cells_of[piece as usize].push(cell);
+        }
+        let size = |piece: u32| cells_of[piece as usize].len();
+        let largest = (0..count).max_by_key(|&piece| (size(piece), Reverse(piece))).unwrap_or(0);
         let closed = vec![false; count as usize];
-        Self { floor, piece_of, group_of: (0..count).collect(), closed, largest }
+        let members = (0..count).map(|piece| vec![piece]).collect();
+        Self { floor, piece_of, cells_of, group_of: (0..count).collect(), members, closed, largest }
     }
 
     fn count(&self) -> u32 {
@@ -166,7 +175,16 @@ impl<'a> Pieces<'a> {
 
     fn join(&mut self, one: Cell, other: Cell) {
         let (Some(one), Some(other)) = (self.group(one), self.group(other)) else { return };
-        self.group_of.iter_mut().filter(|group| **group == one).for_each(|group| *group = other);
+        let joined = std::mem::take(&mut self.members[one as usize]);
+        for &piece in &joined {
+            self.group_of[piece as usize] = other;
+        }
+        self.members[other as usize].extend(joined);
+    }
+
+    /// The cells of a group.
+    fn cells(&self, group: u32) -> impl Iterator<Item = Cell> + '_ {
+        self.members[group as usize].iter().flat_map(|&piece| &self.cells_of[piece as usize]).copied()
     }
 }
 
@@ -201,7 +219,7 @@ impl<'a> Search<'a> {
         let group = pieces.group_of[piece as usize];
         let mut came_from: BTreeMap<Cell, (u64, Cell)> = BTreeMap::new();
         let mut queue = BinaryHeap::new();
-        for cell in self.floor.lattice().cells().filter(|&cell| pieces.group(cell) == Some(group)) {
+        for cell in pieces.cells(group) {
             let place = self.centre(cell);
             came_from.insert(place, (0, place));
             queue.push(Reverse((0, place)));

@@ -4,8 +4,9 @@
 //!   pixels; only the largest piece counts (steps to eight neighbours). A free pixel within half a tool of a feasible one is
 //!   coverable.
 //! - **Way.** The body's disc is free where it lies farther than its radius from the centres of blocked pixels (as
-//!   [`Robot::radius_to_squares_m`] has it, hence a little farther at their corners). A point at which it is free stays; any other is moved to the nearest feasible pixel. Two points are
-//!   joined by a straight line where that is free for the disc, else by the shortest feasible way, pulled tight.
+//!   [`Robot::radius_to_squares_m`] has it, hence a little farther at their corners). A point at which it is free stays; any
+//!   other is moved to the nearest feasible pixel. Two points are joined by a straight line where that is free for the disc,
+//!   else by the shortest feasible way, pulled tight.
 //! - **Figures.** Length; direction changes above 30° after points on a straight line are left out (tolerance 0.75 pixels);
 //!   the part of the coverable area that the tool's disc sweeps, sampled twice as finely as the pixels; overlap = length ×
 //!   tool width ÷ covered area − 1; time = length ÷ speed + all turning ÷ turn rate, turns below 30° included.
@@ -381,6 +382,30 @@ mod tests {
             3.7 * 0.4 + 0.25 * std::f64::consts::PI * 0.16 + 0.2 * 0.2 * (1.0 - std::f64::consts::FRAC_PI_4);
         let covered_m2 = judged.coverage * evaluator.coverable_m2();
         assert!((covered_m2 / swept_m2 - 1.0).abs() < 0.02, "{covered_m2} {swept_m2}");
+    }
+
+    #[test]
+    fn what_keeps_off_squares_keeps_the_radius_from_their_centres() {
+        let mut rows = vec![".".repeat(40); 20];
+        rows[6].replace_range(14..15, "#");
+        rows[12].replace_range(23..26, "###");
+        let map = GridMap::from_drawing(&rows.join("\n"), 0.1).unwrap();
+        let evaluator = Evaluator::new(&map, ROBOT);
+        let blocked = pixels(&map).enumerate().filter(|&(_, (x, y))| !map.is_free(x, y));
+        let centres: Vec<Point> = blocked.map(|(pixel, _)| evaluator.center(pixel)).collect();
+        let (mut free, mut tight_m) = (0, f64::INFINITY);
+        for (from, to) in (0..60).flat_map(|from| (0..60).map(move |to| (from, to))) {
+            let end = |number: i32| 0.3 + 0.0234 * f64::from(number);
+            let line = Segment::new(Point::new(0.3, end(from)), Point::new(3.7, end(to)));
+            if evaluator.is_free(line.from, line.to) {
+                let nearest = centres.iter().map(|&centre| line.distance_to_point(centre));
+                tight_m = tight_m.min(nearest.fold(f64::INFINITY, f64::min));
+                free += 1;
+            }
+        }
+        assert!(free > 300 && tight_m > ROBOT.radius_m - 1e-5, "{free} {tight_m}");
+        // Nor much farther: it is that clearance that is asked for.
+        assert!(tight_m < ROBOT.radius_m + 0.01, "{tight_m}");
     }
 
     #[test]

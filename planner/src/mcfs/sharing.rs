@@ -392,9 +392,9 @@ impl Sharing<'_> {
         part.iter().map(swept_twice_m).sum()
     }
 
-    /// The best chord that begins in each of N parts of a line, the best first; every `step`th place is tried; `judge` says makespan, robot inside
-    /// and robot outside from the two lengths and the drives of each robot to either; `may_do`, whether lengths
-    /// inside and outside are worth a closer look.
+    /// The best chord that begins in each of N parts of a line, the best first; every `step`th place is tried; `judge` says
+    /// makespan, robot inside and robot outside from the two lengths and the drives of each robot to either; `may_do`,
+    /// whether lengths inside and outside are worth a closer look.
     fn best_chords<const N: usize>(
         &self,
         line: &[u32],

@@ -19,6 +19,7 @@
 mod balancing;
 mod placing;
 mod profile;
+mod ranked;
 mod residue;
 mod sharing;
 mod splitting;

@@ -8,15 +8,17 @@
 //! on the break before alone, so breaks are a shortest path in an acyclic graph whose nodes are breaks. The time of a
 //! trip splits into a part known at *a* and one known at *b*: so a break keeps one value (what is spent up to it, less
 //! S(a)) and one deadline (the largest S(b) + home(b, t) that its charge allows), and the best break before (b, t) is
-//! the least value among those with a deadline that is late enough. A Fenwick tree over the deadlines answers that.
+//! the least value among those with a deadline that is late enough. A Fenwick tree over the deadlines answers that. A trip
+//! from one station to the next that drives nothing of the tour is told by itself.
 //!
 //! [`BreakOff::Latest`] is the rule of the paper: on to the next place if and only if the battery then still lasts to
 //! the nearest station.
 //!
-//! **Guarantee.** The optimum over all choices among the given places and stations; never more than the latest rule.
+//! **Guarantee.** The optimum over all choices among the given places and stations; never more than the latest rule,
+//! for which the optimum stands in where that comes to a place it cannot leave.
 //! Times are those of [`Tour`]; the finer its places, the nearer to the optimum over the whole line.
 //!
-//! **Complexity.** O(p log p) for p places times stations.
+//! **Complexity.** O(p log p + p s) for p places times stations, s stations.
 //!
 //! **Paper.** Coverage of unstructured environments with finite resources (`../shared/papers/003`), section 5: breaks
 //! off as late as possible, anywhere in a lane, and names the choice of better places as future work.

@@ -1,5 +1,6 @@
 //! L1: what healthy robots can reach at the end is covered. What "can reach" means is reckoned from the world
-//! alone, over moves of the lattice and passages: walls, obstacles and queues that are still there, machines that stand dead on the floor.
+//! alone, over moves of the lattice and passages: walls, obstacles and queues that are still there, machines that stand
+//! dead on the floor.
 
 use super::{Checker, Seen, for_each_cell};
 use crate::{people::PERSON_RADIUS_M, world::World};

@@ -1,12 +1,9 @@
 //! Lanes that are not worth their time, for what else is swept on the way, are left out, and so are those of least worth beyond
 //! what is asked for.
 
-use super::placing::Worth;
+use super::{placing::Worth, ranked::Ranked};
 use crate::{ground::Ground, lane_tour::LaneTour, transfers::Way};
-use std::{
-    cmp::{Ordering, Reverse},
-    collections::BinaryHeap,
-};
+use std::{cmp::Reverse, collections::BinaryHeap};
 
 /// Leaves out lanes, those with the least swept by them alone for their time first, as long as each is worth less than
 /// its time, or the coverage without it is `goal` still. `ground` has been swept by the tour. Which lanes come first is
@@ -19,10 +16,9 @@ pub(super) fn leave_out(tour: &mut LaneTour<'_, '_>, ground: &mut Ground, worth:
             continue;
         }
         let per_s = ground.alone(&tour.lane(lane).points) as f64 / tour.most_saving_s(at).max(1e-3);
-        heap.push(Reverse(Candidate { per_s, lane, is_exact: false }));
+        heap.push((Reverse(Ranked { per_s, number: lane }), false));
     }
-    while let Some(Reverse(candidate)) = heap.pop() {
-        let Candidate { per_s, lane, is_exact } = candidate;
+    while let Some((Reverse(Ranked { per_s, number: lane }), is_exact)) = heap.pop() {
         let is_worthy = per_s > 1.2 * worth.per_s;
         if is_worthy && ground.coverage() < goal {
             break;
@@ -32,7 +28,7 @@ pub(super) fn leave_out(tour: &mut LaneTour<'_, '_>, ground: &mut Ground, worth:
         let lost = lost_without(tour, ground, at);
         if !is_exact {
             restore(tour, ground, at);
-            heap.push(Reverse(Candidate { per_s: lost / saved_s.max(1e-3), lane, is_exact: true }));
+            heap.push((Reverse(Ranked { per_s: lost / saved_s.max(1e-3), number: lane }), true));
         } else if lost < worth.per_s * saved_s || ground.coverage() >= goal {
             tour.remove(at);
         } else {
@@ -42,28 +38,6 @@ pub(super) fn leave_out(tour: &mut LaneTour<'_, '_>, ground: &mut Ground, worth:
                 break;
             }
         }
-    }
-}
-
-/// A lane that may be left out, and what it sweeps alone for its time.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Candidate {
-    per_s: f64,
-    lane: usize,
-    is_exact: bool,
-}
-
-impl Eq for Candidate {}
-
-impl PartialOrd for Candidate {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Candidate {
-    fn cmp(&self, other: &Self) -> Ordering {
-        self.per_s.total_cmp(&other.per_s).then(self.lane.cmp(&other.lane))
     }
 }
 

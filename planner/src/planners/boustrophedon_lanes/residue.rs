@@ -4,12 +4,12 @@
 //! put between two others. Whatever sweeps the most for the time it takes comes first, until the coverage asked for
 //! is reached.
 
-use super::{placing::Lines, profile::Samples};
+use super::{placing::Lines, profile::Samples, ranked::Ranked};
 use crate::{
     ground::Ground,
     lane_tour::{Lane, LaneTour},
 };
-use std::{cmp::Ordering, collections::BinaryHeap};
+use std::collections::BinaryHeap;
 use terrain::{Point, Segment};
 
 /// Patches of fewer samples are left, and so is what a change of the tour would sweep that sweeps fewer: this bounds the number of
@@ -51,7 +51,7 @@ pub(super) fn sweep<'a>(
             while let Some(number) = waiting.next_if(|_| enough > 0.0) {
                 enough -= patches[number].len() as f64;
                 let change = residue.best_change(&patches[number]);
-                heap.extend(change.map(|change| Entry { number, per_s: change.per_s() }));
+                heap.extend(change.map(|change| Ranked { number, per_s: change.per_s() }));
             }
         }
         let Some(entry) = heap.pop() else {
@@ -67,44 +67,17 @@ pub(super) fn sweep<'a>(
         };
         let per_s = change.per_s();
         if heap.peek().is_some_and(|next| next.per_s > per_s * 1.01) && per_s < 0.99 * entry.per_s {
-            heap.push(Entry { per_s, ..entry });
+            heap.push(Ranked { per_s, ..entry });
             continue;
         }
         last_per_s = Some(per_s);
         let before = residue.ground.left_count();
         residue.apply(change);
         if residue.ground.left_count() < before {
-            heap.push(Entry { per_s, ..entry });
+            heap.push(Ranked { per_s, ..entry });
         }
     }
     last_per_s
-}
-
-/// A patch, and what sweeping it was last seen to gain.
-#[derive(Debug, Clone, Copy)]
-struct Entry {
-    number: usize,
-    per_s: f64,
-}
-
-impl PartialEq for Entry {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-
-impl Eq for Entry {}
-
-impl PartialOrd for Entry {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Entry {
-    fn cmp(&self, other: &Self) -> Ordering {
-        self.per_s.total_cmp(&other.per_s).then(other.number.cmp(&self.number))
-    }
 }
 
 /// What can be done about a patch.
@@ -234,9 +207,11 @@ impl Residue<'_, '_, '_> {
                 bent.push(from + along * end_m);
                 let Some((points, cost_s)) = self.bend(passing, &bent) else { continue };
                 is_free = true;
-                let most = Change { what: What::Bend(passing.lane, points), gain: left.len() as f64, cost_s };
-                if most.per_s() > *best_per_s {
-                    let change = Change { gain: self.gain_of_bend(passing, bent.len(), &most.what), ..most };
+                let mut change =
+                    Change { gain: left.len() as f64, cost_s, what: What::Bend(passing.lane, points) };
+                if change.per_s() > *best_per_s {
+                    let ends = [from, to];
+                    change.gain = self.gain_of_bend(&ends, &[&ends[..1], &bent, &ends[1..]].concat());
                     *best_per_s = best_per_s.max(change.per_s());
                     found.push(change);
                 }
@@ -264,16 +239,13 @@ impl Residue<'_, '_, '_> {
         Some((points, cost_s))
     }
 
-    /// Samples that a lane with so many points more in one of its parts sweeps, and did not before.
-    fn gain_of_bend(&mut self, passing: Passing, more: usize, bent: &What) -> f64 {
-        let What::Bend(_, points) = bent else { return 0.0 };
-        let part = [passing.segment.from, passing.segment.to];
-        let new = &points[passing.number..passing.number + more + 2];
+    /// Samples that are swept when one line stands in for another.
+    fn gain_of_bend(&mut self, old: &[Point], new: &[Point]) -> f64 {
         let before = self.ground.left_count();
         self.ground.sweep(new);
-        self.ground.unsweep(&part);
+        self.ground.unsweep(old);
         let gain = before as f64 - self.ground.left_count() as f64;
-        self.ground.sweep(&part);
+        self.ground.sweep(old);
         self.ground.unsweep(new);
         gain
     }
