@@ -43,6 +43,7 @@ pub use instance::{Instance, InstanceError, Mode, Start};
 pub use lower_bound::{area_bound_s, lower_bound_s};
 pub use plan::{Plan, Route, VerifiedPlan};
 pub use planners::{PLANNERS, Planner};
+pub use recharging::{Endurance, FirstBreakOff, first_break_offs};
 pub use spanning_trees::{TREES, Tree, tree_turns};
 pub use verify::{Figures, VerifyError, verify};
 
@@ -281,7 +282,22 @@ mod tests {
         instance.battery = Some(Battery::lasting_s(90.0));
         let with = recharge(&instance, &without).unwrap();
         assert!(with.figures().charges[0] > 0, "{:?}", with.figures());
+        assert_first_break_off(&instance, &without.routes()[0].points, &with);
         assert_eq!(with, plan(&instance, &PlanOptions::default()).unwrap());
+    }
+
+    /// Told alone, the first break is where the plan with charges leaves the line for the station.
+    fn assert_first_break_off(instance: &Instance<'_>, line: &[Point], with: &VerifiedPlan) {
+        let length_m =
+            |points: &[Point]| points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum::<f64>();
+        let battery = instance.battery.expect("it was just given");
+        let routes = [Endurance { robot: 0, battery, points: line.to_vec() }];
+        let first = first_break_offs(instance, &routes)[0].expect("the battery does not last for all of it");
+        let at = (0..line.len()).find(|&at| (length_m(&line[at..]) - first.ahead_m).abs() < 1e-9).unwrap();
+        let stretch = with.routes()[0].stretches().next().unwrap();
+        assert_eq!(stretch[..=at], line[..=at]);
+        let home = instance.center(instance.stations[first.station].cell) - line[at];
+        assert!((length_m(&stretch[at..]) - home.x.abs() - home.y.abs()).abs() < 1e-9);
     }
 
     proptest! {

@@ -13,9 +13,10 @@ mod homeward;
 mod line;
 mod work;
 
-use crate::{Battery, Instance, Plan, PlanError, configuration_space::ConfigurationSpace};
+use crate::{Battery, Instance, Plan, PlanError, Route, configuration_space::ConfigurationSpace};
 use homeward::{AlongLattice, Homeward, OverGround};
 use line::Line;
+use terrain::Point;
 use work::Work;
 
 /// Puts charges into those routes of a plan that have none and take longer than a battery lasts.
@@ -44,6 +45,61 @@ fn charged<'a>(
         }
     }
     Ok(plan)
+}
+
+/// Where a route is broken off for the first time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FirstBreakOff {
+    /// Way of the route still ahead there, metres.
+    pub ahead_m: f64,
+    /// Number of the station to charge at.
+    pub station: usize,
+}
+
+/// A robot's route, and its battery.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Endurance {
+    /// Number of the robot.
+    pub robot: usize,
+    /// What it can do between two charges.
+    pub battery: Battery,
+    /// Its route from its start on.
+    pub points: Vec<Point>,
+}
+
+/// Where each battery's rule breaks off its route for the first time; `None` where a charge lasts for all of it, and where
+/// none lasts to a place of it and on to a station. The instance's own battery is left out of account.
+///
+/// # Panics
+///
+/// When the instance is not sound ([`Instance::check`]), has no such robot, or a route leaves its floor.
+pub fn first_break_offs(instance: &Instance<'_>, routes: &[Endurance]) -> Vec<Option<FirstBreakOff>> {
+    let instance = &instance.with_open_starts();
+    let mut plan = Plan { routes: vec![Route::default(); instance.starts.len()] };
+    for route in routes {
+        plan.routes[route.robot] = Route::new(route.points.clone());
+    }
+    let work = Work::new(instance, &plan);
+    if work.is_along_lattice() {
+        broken_off(instance, routes, work, &mut AlongLattice::new(instance))
+    } else {
+        let space = ConfigurationSpace::new(instance);
+        broken_off(instance, routes, work, &mut OverGround::new(&space))
+    }
+}
+
+fn broken_off<'a>(
+    instance: &'a Instance<'a>,
+    routes: &[Endurance],
+    mut work: Work<'a>,
+    homeward: &mut dyn Homeward,
+) -> Vec<Option<FirstBreakOff>> {
+    let mut first = |Endurance { robot, battery, points }: &Endurance| {
+        let is_driven = points.len() > 1;
+        let line = is_driven.then(|| Line::new(instance, *robot, points, homeward, &mut work))?;
+        line.first_break_off(battery).ok().flatten()
+    };
+    routes.iter().map(&mut first).collect()
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! One robot's route as a line of places at which it may be broken off.
 
 use super::{
+    FirstBreakOff,
     break_off::{Break, OutOfRange, Place, Tour, Ways},
     homeward::{Homeward, corner_s, ramps_s},
     work::Work,
@@ -56,20 +57,32 @@ impl<'a> Line<'a> {
     /// The route with its charges. What the places tell is exact but for bends that are driven through, which may take a
     /// little longer than a stop to turn: then breaks are chosen again with more to spare.
     pub(super) fn charged(&self, battery: &Battery) -> Result<Route, PlanError> {
+        Ok(self.broken_off(battery)?.1)
+    }
+
+    /// The first break of that route.
+    pub(super) fn first_break_off(&self, battery: &Battery) -> Result<Option<FirstBreakOff>, PlanError> {
+        let ahead_m =
+            |place: usize| self.points[place..].windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
+        let first = self.broken_off(battery)?.0.into_iter().next();
+        Ok(first.map(|Break { place, station }| FirstBreakOff { ahead_m: ahead_m(place), station }))
+    }
+
+    fn broken_off(&self, battery: &Battery) -> Result<(Vec<Break>, Route), PlanError> {
         let mut spare_s = 0.0;
-        let mut route = Route::default();
-        for _ in 0..TRIES {
+        let mut tried = 0;
+        loop {
             let tour = self.tour(battery, spare_s);
             let breaks = tour.breaks(battery.break_off).map_err(|found| self.out_of_range(battery, found))?;
-            route = self.route(&breaks, &tour);
+            let route = self.route(&breaks, &tour);
             let over_s = self.over_s(battery, &route);
-            if over_s <= 1e-7 {
-                break;
+            tried += 1;
+            if over_s <= 1e-7 || tried == TRIES {
+                return Ok((breaks, route));
             }
             // Other breaks leave other bends to a stretch: what is to spare has to outgrow all of them.
             spare_s = 2.0 * spare_s + over_s;
         }
-        Ok(route)
     }
 
     /// How much longer the worst stretch takes than the battery lasts, seconds.

@@ -60,7 +60,7 @@ impl<'a> Work<'a> {
         }
         self.swept.sweep(segment, radius_m, |_| {});
         for (index, samples) in before {
-            works |= instance.floor.required(index) & self.swept.samples(index) & !samples != 0;
+            works |= instance.wanted(index) & self.swept.samples(index) & !samples != 0;
         }
         works
     }
