@@ -3,8 +3,9 @@
 //! One rule, in one place: before each piece of ground is granted, the battery must carry the robot over it and from
 //! its end to a station, by the way that is open now, with `reserve_percent` to spare (and the wait for the station,
 //! when others are before it); where it would not, the robot breaks off, anywhere in a lane. It also goes when its
-//! charge falls below `minimum_desired_charging_level`. It leaves the station at `sufficient_charging_level` while
-//! there is work that it can reach, at `maximum_desired_charging_level` otherwise. A station serves one robot; the
+//! charge falls below `minimum_desired_charging_level`. It leaves the station when it has enough for what is left of its
+//! work, at the latest at `sufficient_charging_level` while there is work that it can reach, at
+//! `maximum_desired_charging_level` otherwise. A station serves one robot; the
 //! others queue where they stand. A robot whose way to every station is blocked drives up to what is in the way, and
 //! goes on when that is seen free.
 //!
@@ -103,7 +104,7 @@ impl Coordinator {
             .collect()
     }
 
-    fn station_cell(&self, station: usize) -> Option<Cell> {
+    pub(crate) fn station_cell(&self, station: usize) -> Option<Cell> {
         self.floor.nearest_drivable(&self.config.mission.map, self.stations[station].position)
     }
 
@@ -127,12 +128,18 @@ impl Coordinator {
             return;
         }
         let Some(reason) = self.must_charge(index) else { return };
+        let planned = self.comes_to_break(index).map(|planned| planned.station);
+        let covers = self.robots[index].errand == Errand::Cover;
         self.forget_errand(index);
-        self.orphan_route(index);
+        if covers {
+            self.keep_for_later(index);
+        }
         let charge = self.robots[index].charge_percent();
         let text = format!("{charge:.0} % left, {reason}");
-        if self.assign_station(now, index) {
+        if self.assign_station(now, index, planned) {
             self.need_plan(now, Cause::of(ReplanCause::CauseLowBattery, index, &text));
+        } else {
+            self.give_rest_away(index);
         }
     }
 
@@ -141,6 +148,9 @@ impl Coordinator {
         let levels = robot.factsheet.as_ref()?.battery_charging?;
         if robot.charge_percent() < levels.minimum_desired_charging_level {
             return Some("below the desired minimum");
+        }
+        if self.comes_to_break(index).is_some() {
+            return Some("at the place where the plan goes to charge");
         }
         (!self.lasts_for_next(index)).then_some("just enough to reach a station")
     }
@@ -168,16 +178,26 @@ impl Coordinator {
     }
 
     /// The quick answer, from a bound; it may be no where the truth is yes.
-    fn surely_gets_home(&self, energy: &Energy, from: Point, spare_percent: f64) -> bool {
+    pub(crate) fn surely_gets_home(&self, energy: &Energy, from: Point, spare_percent: f64) -> bool {
+        self.home_at_most_percent(energy, from).is_some_and(|percent| percent <= spare_percent)
+    }
+
+    /// No more than this is needed to get to some station and until that is free, percent; `None` when none is known to be
+    /// within reach.
+    pub(crate) fn home_at_most_percent(&self, energy: &Energy, from: Point) -> Option<f64> {
         let cell_m = self.floor.lattice().cell_m;
-        let Some(cell) = self.station_road(from) else { return false };
-        let at = self.floor.lattice().index(cell).expect("a road's cells are on the lattice");
-        self.stations.iter().enumerate().filter(|(_, station)| station.works()).any(|(number, station)| {
+        let at =
+            self.floor.lattice().index(self.station_road(from)?).expect("a road's cells are on the lattice");
+        let known = self
+            .stations
+            .iter()
+            .enumerate()
+            .filter(|(_, station)| station.works() && station.moves[at] != u32::MAX);
+        let percent = known.map(|(number, station)| {
             let way_m = (f64::from(station.moves[at]) + 3.0) * cell_m;
-            station.moves[at] != u32::MAX
-                && energy.at_most_percent(way_m, cell_m) + energy.standing_percent(self.wait_s(number))
-                    <= spare_percent
-        })
+            energy.at_most_percent(way_m, cell_m) + energy.standing_percent(self.wait_s(number))
+        });
+        percent.reduce(f64::min)
     }
 
     fn gets_home(&self, index: RobotIndex, points: &[Point], spare_percent: f64) -> bool {
@@ -241,14 +261,35 @@ impl Coordinator {
     }
 
     /// How long until a station is free for one more robot, seconds.
-    fn wait_s(&self, station: usize) -> f64 {
+    pub(crate) fn wait_s(&self, station: usize) -> f64 {
+        self.wait_before_s(station, RobotIndex::MAX)
+    }
+
+    /// How long until a station is free for a robot of its queue, seconds; for one that is not in it, as for one more.
+    pub(crate) fn wait_before_s(&self, station: usize, index: RobotIndex) -> f64 {
         let state = &self.stations[station];
-        let before = state.occupied_by.iter().chain(&state.queue);
+        let before = state.occupied_by.iter().chain(&state.queue).take_while(|&&robot| robot != index);
         before.map(|&robot| self.charge_s(station, robot)).sum()
     }
 
+    /// How long a charge of so much takes at a station as seen so far, seconds.
+    pub(crate) fn usual_charge_s(&self, percent: f64) -> f64 {
+        let rates = self.stations.iter().filter_map(|station| station.rate_percent_per_s);
+        rates.reduce(f64::max).map_or(CHARGE_S, |rate| percent / rate)
+    }
+
+    /// Whether a station works, and nobody is at it or waits for it.
+    pub(crate) fn is_vacant(&self, station: usize) -> bool {
+        let state = &self.stations[station];
+        state.works() && state.occupied_by.is_none() && state.queue.is_empty()
+    }
+
+    pub(crate) fn station_works(&self, station: usize) -> bool {
+        self.stations[station].works()
+    }
+
     /// How long a robot still charges, seconds.
-    fn charge_s(&self, station: usize, index: RobotIndex) -> f64 {
+    pub(crate) fn charge_s(&self, station: usize, index: RobotIndex) -> f64 {
         let robot = &self.robots[index];
         let levels = robot.factsheet.as_ref().and_then(|sheet| sheet.battery_charging);
         let enough = levels.map_or(100.0, |levels| levels.sufficient_charging_level);
@@ -256,9 +297,10 @@ impl Coordinator {
         self.stations[station].rate_percent_per_s.map_or(CHARGE_S, |rate| missing / rate)
     }
 
-    /// Gives a robot the best station, or a place in its queue. False when no station works.
-    fn assign_station(&mut self, now: Timestamp, index: RobotIndex) -> bool {
-        let Some(trip) = self.best_trip(index) else { return self.wait_for_a_way(now, index) };
+    /// Gives a robot the planned station, if it lasts to that, or the best one, or a place in its queue. False when no
+    /// station works.
+    fn assign_station(&mut self, now: Timestamp, index: RobotIndex, planned: Option<usize>) -> bool {
+        let Some(trip) = self.best_trip(index, planned) else { return self.wait_for_a_way(now, index) };
         let station = trip.station;
         if self.stations[station].occupied_by.is_none() {
             if let Some(way) = self.start_cell(index).and_then(|from| self.way_to_station(from, station)) {
@@ -272,14 +314,16 @@ impl Coordinator {
         true
     }
 
-    /// The station at which a robot can charge first, of those that its battery carries it to.
-    fn best_trip(&self, index: RobotIndex) -> Option<Trip> {
+    /// The station at which a robot can charge first, of those that its battery carries it to; the planned one if it is
+    /// one of these.
+    fn best_trip(&self, index: RobotIndex, planned: Option<usize>) -> Option<Trip> {
         let from = self.robots[index].route.base().map(|node| node.point).collect::<Vec<Point>>();
         let trips = self.trips(index, &from);
         let charge = self.robots[index].charge_percent() - self.config.timing.reserve_percent;
         let in_reach = trips.iter().filter(|trip| trip.percent <= charge);
+        let rank = |trip: &Trip| (Some(trip.station) != planned, trip.seconds);
         in_reach
-            .min_by(|a, b| a.seconds.total_cmp(&b.seconds))
+            .min_by(|a, b| rank(a).0.cmp(&rank(b).0).then(rank(a).1.total_cmp(&rank(b).1)))
             .or_else(|| trips.iter().min_by(|a, b| a.percent.total_cmp(&b.percent)))
             .copied()
     }
@@ -337,7 +381,7 @@ impl Coordinator {
         let charges = matches!(self.robots[index].errand, Errand::ToStation(_) | Errand::Queue(_));
         self.forget_errand(index);
         if charges {
-            self.assign_station(now, index);
+            self.assign_station(now, index, None);
         }
     }
 
@@ -412,7 +456,7 @@ impl Coordinator {
         self.forget_errand(index);
         for waiting in std::iter::once(index).chain(queue) {
             self.forget_errand(waiting);
-            if !self.assign_station(now, waiting) {
+            if !self.assign_station(now, waiting, None) {
                 // Stay: the station is tried again.
                 self.stations[station].queue.push_back(waiting);
                 self.robots[waiting].errand = Errand::Queue(station);
@@ -438,6 +482,7 @@ impl Coordinator {
         let wanted = self.has_open_work() || !self.stations[station].queue.is_empty();
         let enough =
             if wanted { levels.sufficient_charging_level } else { levels.maximum_desired_charging_level };
+        let enough = self.percent_for_rest(index).map_or(enough, |rest| rest.min(enough));
         if charge >= enough {
             self.robots[index].errand = Errand::Cover;
             let text = format!("{charge:.0} % at {}", self.stations[station].id);

@@ -132,6 +132,7 @@ impl Coordinator {
             Input::Planned { revision, result, planning_s } => {
                 self.on_planned(now, revision, result, planning_s, &mut out);
             }
+            Input::BrokenOff { revision, breaks } => self.on_broken_off(revision, &breaks),
             Input::Operator(command) => self.on_operator(now, &command, &mut out),
             Input::Woken => {}
         }

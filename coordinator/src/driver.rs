@@ -399,6 +399,7 @@ impl<W: FnMut(&Publication)> Driver<W> {
                 self.record(|| Record::InstantActions { robot, actions });
             }
             Output::Plan(request) => self.plan(request),
+            Output::BreakOffs(request) => self.choose_break_offs(request),
             Output::Publish(publication) => self.publish(publication),
             Output::Reply(reply) => {
                 if let Some(query) = self.queries.remove(&reply.command_id) {
@@ -419,6 +420,14 @@ impl<W: FnMut(&Publication)> Driver<W> {
             let result = request.run();
             let planning_s = begun.elapsed().as_secs_f64();
             let input = Input::Planned { revision: request.revision, result, planning_s };
+            let _ = events.send(Event::Input(Box::new(input)));
+        });
+    }
+
+    fn choose_break_offs(&self, request: Box<crate::BreakOffRequest>) {
+        let events = self.events.clone();
+        std::thread::spawn(move || {
+            let input = Input::BrokenOff { revision: request.revision, breaks: request.run() };
             let _ = events.send(Event::Input(Box::new(input)));
         });
     }

@@ -134,7 +134,7 @@ impl Coordinator {
             self.go_home_or_finish(now);
         } else if self.has_stalled(now) {
             self.give_up_the_rest(now);
-        } else if self.all_routes_done() {
+        } else if self.all_routes_done() && !self.work_waits() {
             self.continue_with_what_is_left(now);
         } else {
             self.check_balance(now);
@@ -427,8 +427,9 @@ impl Coordinator {
         let Some(idle) = self.coverers().into_iter().find(|&robot| self.robots[robot].route.is_done()) else {
             return;
         };
-        let most_s =
-            self.coverers().into_iter().map(|robot| self.robots[robot].remaining_s).fold(0.0, f64::max);
+        let works = |&robot: &RobotIndex| self.robots[robot].can_cover() || self.will_resume(robot);
+        let most_s = (0..self.robots.len()).filter(works).map(|robot| self.robots[robot].remaining_s);
+        let most_s = most_s.fold(0.0, f64::max);
         if most_s > IMBALANCE_S {
             let shared = most_s < 0.6 * self.idle_checks.most_s;
             let doubled = (self.idle_checks.in_vain + 1).min(REBALANCE_DOUBLED_MAX);

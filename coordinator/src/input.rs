@@ -1,5 +1,6 @@
 //! What can happen to the coordinator.
 
+use crate::ChosenBreak;
 use planner::{PlanError, VerifiedPlan};
 use protocol::v1;
 
@@ -34,6 +35,13 @@ pub enum Input {
         result: Result<VerifiedPlan, PlanError>,
         /// How long planning took, seconds.
         planning_s: f64,
+    },
+    /// It was chosen where the routes of a plan are broken off to charge.
+    BrokenOff {
+        /// The plan.
+        revision: u64,
+        /// Where.
+        breaks: Vec<ChosenBreak>,
     },
     /// A person asked for something.
     Operator(v1::OperatorCommand),

@@ -5,6 +5,7 @@
 
 mod announce;
 mod blockage;
+mod break_off;
 mod charging;
 mod config;
 mod coordinator;
@@ -24,6 +25,7 @@ mod reach;
 pub mod recorder;
 mod replan;
 mod result;
+mod resuming;
 mod robot;
 
 mod route;
@@ -34,6 +36,7 @@ mod traffic;
 mod way;
 mod zones;
 
+pub use break_off::{BreakOffRequest, ChosenBreak};
 pub use config::{Config, Mission, Station, Timing};
 pub use coordinator::{Coordinator, WALL_MARGIN_M};
 pub use input::Input;

@@ -1,5 +1,6 @@
 //! What the coordinator asks its driver to do.
 
+use crate::BreakOffRequest;
 use planner::{Instance, Mode, PlanError, PlanOptions, Start, Station, VerifiedPlan};
 use protocol::v1;
 use std::sync::Arc;
@@ -37,6 +38,8 @@ pub enum Output {
     },
     /// Plan, away from this thread, and answer with `Input::Planned`.
     Plan(Box<PlanRequest>),
+    /// Choose, away from this thread, where these routes are broken off to charge, and answer with `Input::BrokenOff`.
+    BreakOffs(Box<BreakOffRequest>),
     /// Show to whoever watches, and log.
     Publish(Publication),
     /// Answer an operator.

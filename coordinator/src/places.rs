@@ -95,10 +95,9 @@ impl Coordinator {
         }
     }
 
-    /// The edges behind a robot's base on which its tool is on.
+    /// The edges that a robot will drive with its tool on, behind its base or when it is charged.
     fn horizon_edges(&self, robot: RobotIndex) -> Vec<Segment> {
-        let route = &self.robots[robot].route;
-        let places: Vec<Waypoint> = route.base_end().into_iter().chain(route.horizon()).copied().collect();
+        let places = self.places_ahead(robot);
         let covers = |pair: &&[Waypoint]| pair[1].tool_active;
         places.windows(2).filter(covers).map(|pair| Segment::new(pair[0].point, pair[1].point)).collect()
     }

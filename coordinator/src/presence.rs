@@ -210,6 +210,7 @@ impl Coordinator {
     /// Takes a robot's ground away and begins a new order where it stands.
     pub(crate) fn restart_route(&mut self, _now: Timestamp, index: RobotIndex) {
         self.orphan_route(index);
+        self.robots[index].break_off = None;
         self.begin_order_where_it_stands(index);
     }
 

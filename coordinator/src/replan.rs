@@ -77,6 +77,8 @@ struct InFlight {
     revision: u64,
     robots: Vec<RobotIndex>,
     orders: Vec<u64>,
+    /// Who charges, and begins its route afterwards.
+    charges: Vec<bool>,
     visit: Vec<bool>,
     causes: Vec<Cause>,
     owners: BTreeMap<usize, Option<RobotIndex>>,
@@ -153,8 +155,10 @@ impl Coordinator {
         }
         self.replanning.due = None;
         let causes = std::mem::take(&mut self.replanning.causes);
-        self.release_what_is_not_driven();
-        let Some((request, flight)) = self.instance(causes) else {
+        let untie = std::mem::take(&mut self.replanning.untie);
+        let team = self.team(&self.blocked_for_plans(&untie, 0.5 * self.floor.lattice().cell_m));
+        self.release_what_is_not_driven(&team);
+        let Some((request, flight)) = self.instance(causes, &untie, team) else {
             self.announce_without_plan(now);
             return;
         };
@@ -165,33 +169,37 @@ impl Coordinator {
         Self::ask_planner(out, request);
     }
 
-    /// Cells that belong to robots which do not cover now belong to nobody.
-    fn release_what_is_not_driven(&mut self) {
+    /// Cells and routes that belong to robots which do not cover, now or once they are charged, belong to nobody.
+    fn release_what_is_not_driven(&mut self, team: &[RobotIndex]) {
         for index in 0..self.robots.len() {
-            if !self.robots[index].can_cover() {
+            if !self.robots[index].can_cover() && !team.contains(&index) {
                 self.ledger.unassign(index);
+                self.give_rest_away(index);
             }
         }
     }
 
     /// The mission as it stands, as something to plan; `None` when nobody can do anything now.
-    fn instance(&mut self, causes: Vec<Cause>) -> Option<(PlanRequest, InFlight)> {
-        let untie = std::mem::take(&mut self.replanning.untie);
-        let robots: Vec<RobotIndex> =
-            self.coverers().into_iter().filter(|&robot| self.start_cell(robot).is_some()).collect();
+    fn instance(
+        &mut self,
+        causes: Vec<Cause>,
+        untie: &[RobotIndex],
+        robots: Vec<RobotIndex>,
+    ) -> Option<(PlanRequest, InFlight)> {
         let motion = self.slowest_motion(&robots)?;
         let task = self
-            .task_off_lattice(&untie, &robots, &motion)
-            .or_else(|| self.task_on_lattice(&untie, &robots, &motion))?;
+            .task_off_lattice(untie, &robots, &motion)
+            .or_else(|| self.task_on_lattice(untie, &robots, &motion))?;
         let owners = self.owners(&task.visit);
         let off_lattice = !keeps_to_lattice(&task.planner);
         let UnderWay { incumbent, orphans, incumbent_lines, orphan_lines } =
-            self.under_way(&robots, off_lattice, untie.is_empty());
+            self.under_way(&robots, &task.starts, off_lattice, untie.is_empty());
         let swept = if off_lattice { self.swept_or_granted(&robots) } else { Vec::new() };
         let revision = self.replanning.revision + 1;
         let flight = InFlight {
             revision,
             orders: robots.iter().map(|&robot| self.robots[robot].route.order_id()).collect(),
+            charges: robots.iter().map(|&robot| !self.robots[robot].can_cover()).collect(),
             remaining_s: robots.iter().map(|&robot| self.robots[robot].remaining_s).collect(),
             visit: task.visit.clone(),
             owners,
@@ -238,7 +246,9 @@ impl Coordinator {
         motion: &MotionModel,
     ) -> Option<Task> {
         let blocked = self.blocked_for_plans(untie, 0.0);
-        let starts: Vec<Start> = robots.iter().map(|&robot| self.start(robot, motion)).collect();
+        let start =
+            |&robot: &RobotIndex| self.back_at(robot, &blocked).unwrap_or_else(|| self.start(robot, motion));
+        let starts: Vec<Start> = robots.iter().map(start).collect();
         let visit = self.cells_to_visit(&blocked, robots, &starts);
         let mine = &self.config.mission.planner;
         let planner = if keeps_to_lattice(mine) { mine.clone() } else { FALLBACK.to_owned() };
@@ -258,7 +268,10 @@ impl Coordinator {
             return None;
         }
         let blocked = self.blocked_for_plans(untie, 0.5 * self.floor.lattice().cell_m);
-        let starts: Vec<Start> = robots.iter().map(|&robot| self.start_off_lattice(robot, motion)).collect();
+        let start = |&robot: &RobotIndex| {
+            self.back_at(robot, &blocked).unwrap_or_else(|| self.start_off_lattice(robot, motion))
+        };
+        let starts: Vec<Start> = robots.iter().map(start).collect();
         let visit = self.cells_to_visit(&blocked, robots, &starts);
         (!self.only_specks_are_left(&visit)).then_some(Task { planner, visit, blocked, starts })
     }
@@ -274,7 +287,7 @@ impl Coordinator {
 
     /// Where a robot's next route begins that may leave the lattice: at the end of its base itself, where there is room
     /// to get to the cell's centre, or in the cell.
-    fn start_off_lattice(&self, index: RobotIndex, motion: &MotionModel) -> Start {
+    pub(crate) fn start_off_lattice(&self, index: RobotIndex, motion: &MotionModel) -> Start {
         let start = self.start(index, motion);
         let end = self.robots[index].route.base_end().map(|node| node.point);
         let has_room = |end: &Point| {
@@ -286,19 +299,34 @@ impl Coordinator {
 
     /// What is driven already, and the routes without a robot: as cells for a planner that keeps to the lattice where all
     /// of them do, as lines for one that leaves it. Nothing when nothing is, or when it is not `wanted`.
-    fn under_way(&mut self, robots: &[RobotIndex], off_lattice: bool, wanted: bool) -> UnderWay {
+    fn under_way(
+        &mut self,
+        robots: &[RobotIndex],
+        starts: &[Start],
+        off_lattice: bool,
+        wanted: bool,
+    ) -> UnderWay {
         let orphans = std::mem::take(&mut self.orphans);
         let orphan_lines = std::mem::take(&mut self.orphan_lines);
         if !wanted {
             return UnderWay::default();
         }
         if off_lattice {
-            let incumbent_lines = robots.iter().map(|&robot| self.line_ahead(robot)).collect();
+            let line = |(&robot, start): (&RobotIndex, &Start)| {
+                let begin = start.point.unwrap_or_else(|| self.floor.lattice().center(start.cell));
+                let ahead = self.places_ahead(robot).into_iter().skip(1).map(|place| place.point);
+                std::iter::once(begin).chain(ahead).collect()
+            };
+            let incumbent_lines = robots.iter().zip(starts).map(line).collect();
             return UnderWay { incumbent_lines, orphan_lines, ..UnderWay::default() };
         }
-        let incumbent: Vec<Vec<Cell>> = robots.iter().map(|&robot| self.horizon_cells(robot)).collect();
-        let leaves_lattice =
-            robots.iter().any(|&robot| self.robots[robot].route.horizon().any(|node| node.cell.is_none()));
+        let ahead = |&robot: &RobotIndex| -> Vec<Option<Cell>> {
+            self.places_ahead(robot).into_iter().skip(1).map(|place| place.cell).collect()
+        };
+        let ahead: Vec<Vec<Option<Cell>>> = robots.iter().map(ahead).collect();
+        let leaves_lattice = ahead.iter().flatten().any(Option::is_none);
+        let incumbent: Vec<Vec<Cell>> =
+            ahead.into_iter().map(|cells| cells.into_iter().flatten().collect()).collect();
         if leaves_lattice || orphans.is_empty() && incumbent.iter().all(Vec::is_empty) {
             return UnderWay::default();
         }
@@ -306,13 +334,13 @@ impl Coordinator {
     }
 
     /// A robot's line from the end of its base on.
-    fn line_ahead(&self, robot: RobotIndex) -> Vec<Point> {
+    pub(crate) fn line_ahead(&self, robot: RobotIndex) -> Vec<Point> {
         let route = &self.robots[robot].route;
         route.base_end().into_iter().chain(route.horizon()).map(|node| node.point).collect()
     }
 
     /// Row-major: samples that are swept, or will be on the ground that is granted.
-    fn swept_or_granted(&self, robots: &[RobotIndex]) -> Vec<u64> {
+    pub(crate) fn swept_or_granted(&self, robots: &[RobotIndex]) -> Vec<u64> {
         let mut swept = self.ledger.swept();
         for (index, samples) in self.swept_by(robots.iter().flat_map(|&robot| self.base_edges(robot))) {
             swept[index] |= samples;
@@ -320,15 +348,16 @@ impl Coordinator {
         swept
     }
 
-    fn horizon_cells(&self, robot: RobotIndex) -> Vec<Cell> {
-        self.robots[robot].route.horizon().filter_map(|node| node.cell).collect()
-    }
-
     /// A robot gives its route away: the planner may cut it up and hand it to others.
     pub(crate) fn orphan_route(&mut self, robot: RobotIndex) {
-        let ahead = || self.robots[robot].route.ahead();
-        let cells: Vec<Cell> = ahead().filter_map(|node| node.cell).collect();
-        let line: Vec<Point> = ahead().map(|node| node.point).collect();
+        let ahead: Vec<Waypoint> = self.robots[robot].route.ahead().copied().collect();
+        self.orphan(&ahead);
+    }
+
+    /// These places have lost their robot.
+    pub(crate) fn orphan(&mut self, places: &[Waypoint]) {
+        let cells: Vec<Cell> = places.iter().filter_map(|place| place.cell).collect();
+        let line: Vec<Point> = places.iter().map(|place| place.point).collect();
         if !cells.is_empty() {
             self.orphans.push(cells);
         }
@@ -339,7 +368,7 @@ impl Coordinator {
 
     /// Zones, and ground held by robots that will not move by themselves; cells count whose centre is by `wider_m`
     /// farther away, too.
-    fn blocked_for_plans(&self, untie: &[RobotIndex], wider_m: f64) -> Vec<bool> {
+    pub(crate) fn blocked_for_plans(&self, untie: &[RobotIndex], wider_m: f64) -> Vec<bool> {
         let mut blocked: Vec<bool> =
             (0..self.floor.lattice().len()).map(|index| self.zones.holds(index)).collect();
         for (index, robot) in self.robots.iter().enumerate() {
@@ -362,7 +391,7 @@ impl Coordinator {
         blocked
     }
 
-    fn slowest_motion(&self, robots: &[RobotIndex]) -> Option<MotionModel> {
+    pub(crate) fn slowest_motion(&self, robots: &[RobotIndex]) -> Option<MotionModel> {
         robots.iter().filter_map(|&robot| self.robots[robot].motion()).reduce(|a, b| MotionModel {
             speed_m_per_s: a.speed_m_per_s.min(b.speed_m_per_s),
             acceleration_m_per_s2: a.acceleration_m_per_s2.min(b.acceleration_m_per_s2),
@@ -548,20 +577,24 @@ impl Coordinator {
         self.replanning.plans += 1;
         let before_s = self.robots.iter().map(|robot| robot.remaining_s).fold(0.0, f64::max);
         for (number, &robot) in flight.robots.iter().enumerate() {
-            if self.still_fits(robot, flight.orders[number]) {
+            if flight.charges[number] || self.still_fits(robot, flight.orders[number]) {
                 self.ledger.unassign(robot);
             }
         }
-        let mut given = Vec::new();
+        let (mut given, mut later) = (Vec::new(), Vec::new());
         for (number, &robot) in flight.robots.iter().enumerate() {
-            if self.still_fits(robot, flight.orders[number]) {
-                self.give_route(robot, flight, &plan.routes()[number].points);
+            let points = &plan.routes()[number].points;
+            if flight.charges[number] && self.goes_on_later(robot, points) {
+                later.push(robot);
+            } else if !flight.charges[number] && self.still_fits(robot, flight.orders[number]) {
+                self.give_route(robot, flight, points);
                 given.push(robot);
             } else {
                 self.need_plan(now, Cause::of(ReplanCause::CauseResidual, robot, "changed while planning"));
             }
         }
-        self.assign_by_footprint(&given);
+        self.assign_by_footprint(&[&given[..], &later].concat());
+        self.choose_break_offs(flight.revision, &given, out);
         let after_s = plan.figures().makespan_s;
         if self.replanning.first_makespan_s == 0.0 {
             self.replanning.first_makespan_s = after_s;
@@ -589,10 +622,29 @@ impl Coordinator {
         let places = if on_lattice { self.places_at(&way) } else { self.places_along(end, &way) };
         let robot = &mut self.robots[robot];
         robot.errand = Errand::Cover;
+        robot.break_off = None;
+        robot.resumes.clear();
         robot.route.stitch(flight.revision, places, Ending::Stay);
         robot.wait = None;
         robot.hold = None;
         robot.order_sent = Timestamp::ZERO;
+    }
+
+    /// Keeps the route that a robot begins when it is charged; false when it will not be any more.
+    fn goes_on_later(&mut self, robot: RobotIndex, points: &[Point]) -> bool {
+        if !self.will_resume(robot) && !self.robots[robot].can_cover() {
+            return false;
+        }
+        let on_lattice = points.iter().all(|&point| self.cell_centred_at(point).is_some());
+        self.robots[robot].resumes = match points {
+            [] => Vec::new(),
+            _ if on_lattice => self.places_at(points),
+            [first, rest @ ..] => {
+                let begin = Waypoint { point: *first, cell: None, tool_active: false };
+                std::iter::once(begin).chain(self.places_along(*first, rest)).collect()
+            }
+        };
+        true
     }
 
     /// Points of the lattice as places of a route.
@@ -691,12 +743,19 @@ impl Coordinator {
 
     /// Works out anew how long each robot still drives on its route.
     pub(crate) fn estimate_remaining(&mut self) {
-        for robot in &mut self.robots {
-            let points: Vec<Point> = robot.route.ahead().map(|node| node.point).collect();
-            robot.remaining_s = match (robot.phase, robot.motion()) {
-                (Phase::Ready, Some(motion)) => motion.path_s(&points, None),
+        for index in 0..self.robots.len() {
+            let robot = &self.robots[index];
+            let points = |places: &mut dyn Iterator<Item = &Waypoint>| -> Vec<Point> {
+                places.map(|place| place.point).collect()
+            };
+            let remaining_s = match (robot.phase, robot.motion(), self.back_in_s(index)) {
+                (Phase::Ready, Some(motion), Some(back_in_s)) if !robot.resumes.is_empty() => {
+                    back_in_s + motion.path_s(&points(&mut robot.resumes.iter()), None)
+                }
+                (Phase::Ready, Some(motion), _) => motion.path_s(&points(&mut robot.route.ahead()), None),
                 _ => 0.0,
             };
+            self.robots[index].remaining_s = remaining_s;
         }
     }
 

@@ -1,6 +1,11 @@
 //! One robot of the roster: who it is, whether it is there, what it does and which ground it holds.
 
-use crate::{energy::Energy, ledger::RobotIndex, route::Route};
+use crate::{
+    break_off::PlannedBreak,
+    energy::Energy,
+    ledger::RobotIndex,
+    route::{Route, Waypoint},
+};
 use protocol::{Timestamp, v1};
 use terrain::{MotionModel, Point, Segment};
 
@@ -87,6 +92,10 @@ pub(crate) struct Robot {
     pub(crate) freed_from: (f64, f64),
     pub(crate) home: Option<Point>,
     pub(crate) route: Route,
+    /// What it goes on with when it is charged, from where that begins; empty when nothing.
+    pub(crate) resumes: Vec<Waypoint>,
+    /// Where its route is best broken off to charge.
+    pub(crate) break_off: Option<PlannedBreak>,
     pub(crate) order_sent: Timestamp,
     /// Ground of an order that was taken away and not yet acknowledged, and until when it may still be driven.
     pub(crate) retiring: Vec<Segment>,
@@ -134,6 +143,8 @@ impl Robot {
             freed_from: (0.0, 0.0),
             home: None,
             route: Route::default(),
+            resumes: Vec::new(),
+            break_off: None,
             order_sent: Timestamp::ZERO,
             retiring: Vec::new(),
             retiring_until: Timestamp::ZERO,

@@ -98,6 +98,28 @@ impl Route {
         self.update_id
     }
 
+    /// Number of the plan that it is from.
+    pub(crate) fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    /// Number of nodes not released.
+    pub(crate) fn nodes_ahead(&self) -> u64 {
+        (self.first + self.nodes.len() as u64).saturating_sub(self.released + 1)
+    }
+
+    /// Number of nodes behind the last one that has at least so much way ahead, metres, within a centimetre.
+    pub(crate) fn nodes_in_last_m(&self, ahead_m: f64) -> u64 {
+        let mut left_m = ahead_m - 0.01;
+        let edges = self.nodes.iter().rev().zip(self.nodes.iter().rev().skip(1));
+        let within = edges.take_while(|(to, from)| {
+            let is_within = left_m > 0.0;
+            left_m -= (to.point - from.point).norm();
+            is_within
+        });
+        within.count() as u64
+    }
+
     pub(crate) fn released(&self) -> u64 {
         self.released
     }
@@ -278,6 +300,20 @@ mod tests {
         let before = route.update_id();
         route.open_window();
         assert_eq!(route.update_id(), before + 1, "more nodes are an update");
+    }
+
+    #[test]
+    fn a_place_is_found_by_the_way_ahead_of_it() {
+        let mut route = route_of(5);
+        assert_eq!(route.nodes_ahead(), 5);
+        for (ahead_m, nodes) in [(0.0, 0), (1.0, 1), (1.4, 2), (3.0, 3), (5.0, 5), (9.0, 5)] {
+            assert_eq!(route.nodes_in_last_m(ahead_m), nodes, "{ahead_m}");
+        }
+        route.release_next();
+        route.release_next();
+        assert_eq!(route.nodes_ahead(), 3);
+        route.pass(3);
+        assert_eq!((route.nodes_ahead(), route.nodes_in_last_m(1.0)), (3, 1));
     }
 
     #[test]

@@ -5,7 +5,9 @@ mod operator;
 mod robot_lost;
 mod stale_plan;
 
-use crate::{Config, Coordinator, Input, Mission, Output, PlanRequest, Publication, Station, Timing};
+use crate::{
+    BreakOffRequest, Config, Coordinator, Input, Mission, Output, PlanRequest, Publication, Station, Timing,
+};
 use protocol::{Timestamp, v1};
 use std::{sync::Arc, time::Duration};
 use terrain::{GridMap, Point};
@@ -18,6 +20,7 @@ pub(crate) struct Story {
     pub(crate) orders: Vec<(String, v1::Order)>,
     pub(crate) grants: Vec<(String, v1::Grant)>,
     pub(crate) plans: Vec<PlanRequest>,
+    pub(crate) break_offs: Vec<BreakOffRequest>,
     pub(crate) events: Vec<v1::Event>,
     pub(crate) result: Option<v1::MissionResult>,
     /// Per robot: what it says next.
@@ -60,6 +63,7 @@ impl Story {
             orders: Vec::new(),
             grants: Vec::new(),
             plans: Vec::new(),
+            break_offs: Vec::new(),
             events: Vec::new(),
             result: None,
             states: vec![state("r1", 0.25, 0.25), state("r2", 2.75, 1.75)],
@@ -121,6 +125,7 @@ impl Story {
                 }
                 Output::Grant { robot, grant } => self.grants.push((robot, grant)),
                 Output::Plan(request) => self.plans.push(*request),
+                Output::BreakOffs(request) => self.break_offs.push(*request),
                 Output::Publish(Publication::Event(event)) => self.events.push(event),
                 Output::Publish(Publication::Result(result)) => self.result = Some(result),
                 Output::InstantActions { .. } | Output::Publish(_) | Output::Reply(_) => {}

@@ -60,6 +60,7 @@ impl Coordinator {
         let mut blocker = None;
         while ahead_m < self.config.timing.base_length_m
             && !self.is_held_back(now, index)
+            && self.comes_to_break(index).is_none()
             && self.lasts_for_next(index)
         {
             let Some((edge, to)) = self.robots[index].route.next_edge() else { break };
@@ -292,7 +293,7 @@ impl Coordinator {
         }
         let revision = self.replanning.revision();
         self.robots[index].route.stitch(revision, places, ending);
-        let until_passed = self.passes_by(for_robot, from);
+        let until_passed = self.passes_by(for_robot, &self.robots[index].held);
         let their_order = self.robots[for_robot].route.order_id();
         let robot = &mut self.robots[index];
         robot.yielded.push(now);
@@ -312,18 +313,12 @@ impl Coordinator {
         places.windows(2).map(|pair| Segment::new(pair[0], pair[1])).collect()
     }
 
-    /// Number of the last node on which a robot, on its next stretch, is near a cell.
-    fn passes_by(&self, index: RobotIndex, cell: Cell) -> u64 {
-        let center = self.floor.lattice().center(cell);
-        let route = &self.robots[index].route;
+    /// Number of the node by which a robot, on its next stretch, has driven past some ground.
+    fn passes_by(&self, index: RobotIndex, ground: &[Segment]) -> u64 {
         let separation = self.separation_m();
-        let mut last = route.passed();
-        for (offset, node) in route.ahead().take(NODES_TO_CLEAR).enumerate() {
-            if (node.point - center).norm() < separation {
-                last = route.passed() + offset as u64 + 1;
-            }
-        }
-        last
+        let is_near = |edge: &Segment| ground.iter().any(|held| edge.distance(held) < separation);
+        let last = self.next_places(index).iter().rposition(is_near);
+        self.robots[index].route.passed() + last.map_or(0, |edge| edge as u64 + 2)
     }
 
     pub(crate) fn held_by_others(&self, index: RobotIndex) -> Vec<Segment> {
@@ -431,6 +426,7 @@ impl Coordinator {
         let revision = self.replanning.revision();
         let robot = &mut self.robots[index];
         robot.route.stitch(revision, places, ending);
+        robot.break_off = None;
         robot.wait = None;
         robot.hold = None;
         robot.order_sent = Timestamp::ZERO;

@@ -39,6 +39,8 @@ const PIECES_EACH: f64 = 2.0;
 const PIECE_MIN_S: f64 = 15.0;
 /// Ends are given away so often for each robot at most.
 const GIFTS_EACH: usize = 3;
+/// A gift has to bring the end nearer by this share of it.
+const LEAST_GAIN_SHARE: f64 = 0.05;
 /// Ways are longer than straight lines.
 const DETOUR: f64 = 1.25;
 
@@ -245,23 +247,23 @@ impl<'s, 'a> Workshop<'s, 'a> {
         let most_s = (total_s / (PIECES_EACH * self.sequences.len() as f64)).max(PIECE_MIN_S);
         for stretch in stretches {
             for piece in cut(self.instance, stretch, most_s) {
-                self.insert(piece, None)?;
+                self.insert(piece)?;
             }
         }
         Some(())
     }
 
-    /// Puts a piece where the makespan grows least, and then the time of its robot; not into the route of `but`.
-    fn insert(&mut self, piece: Stretch, but: Option<usize>) -> Option<Candidate> {
-        let best = self.best_place(&piece, but)?;
+    /// Puts a piece where the makespan grows least, and then the time of its robot.
+    fn insert(&mut self, piece: Stretch) -> Option<Candidate> {
+        let best = self.best_place(&piece)?;
         let piece = if best.backwards { piece.reversed() } else { piece };
         self.sequences[best.robot].insert(best.at, piece);
         self.ends_s[best.robot] += best.cost_s.1;
         Some(best)
     }
 
-    fn best_place(&mut self, piece: &Stretch, but: Option<usize>) -> Option<Candidate> {
-        let mut candidates = self.candidates(piece, but);
+    fn best_place(&mut self, piece: &Stretch) -> Option<Candidate> {
+        let mut candidates = self.candidates(piece);
         candidates.sort_by(cheaper);
         let mut best: Option<Candidate> = None;
         let mut seen = 0;
@@ -289,9 +291,9 @@ impl<'s, 'a> Workshop<'s, 'a> {
     }
 
     /// All positions, priced by straight lines.
-    fn candidates(&self, piece: &Stretch, but: Option<usize>) -> Vec<Candidate> {
+    fn candidates(&self, piece: &Stretch) -> Vec<Candidate> {
         let mut candidates = Vec::new();
-        for robot in (0..self.sequences.len()).filter(|&robot| Some(robot) != but) {
+        for robot in 0..self.sequences.len() {
             for at in 0..=self.sequences[robot].len() {
                 let (before, after) = self.around(robot, at);
                 for backwards in [false, true] {
@@ -387,17 +389,20 @@ impl<'s, 'a> Workshop<'s, 'a> {
             self.raster.sweep(Segment::new(pair[0], pair[1]), self.radius_m(), |_| {});
         }
         self.raster.sweep(Segment::new(only, only), self.radius_m(), |_| {});
-        self.insert(Stretch::new(self.instance, points), None).map(|_| ())
+        self.insert(Stretch::new(self.instance, points)).map(|_| ())
     }
 
-    /// The robot that ends last gives the end of its route away, as long as all are done sooner then.
+    /// The robot that ends last gives the end of its route away, as long as it and the one that takes it are done sooner
+    /// then.
     fn balance(&mut self) {
         for _ in 0..GIFTS_EACH * self.sequences.len() {
             let latest = (0..self.ends_s.len()).max_by(|&a, &b| self.ends_s[a].total_cmp(&self.ends_s[b]));
             let earliest_s = self.ends_s.iter().copied().fold(f64::INFINITY, f64::min);
             let Some(latest) = latest else { return };
             let most_s = (self.ends_s[latest] - earliest_s) / 2.0;
-            if most_s < PIECE_MIN_S || !self.give_end_away(latest, most_s) {
+            let helps =
+                |share: &f64| most_s * share >= PIECE_MIN_S && self.give_end_away(latest, most_s * share);
+            if ![1.0, 0.5].iter().any(helps) {
                 return;
             }
         }
@@ -405,22 +410,67 @@ impl<'s, 'a> Workshop<'s, 'a> {
 
     /// Gives up to so much of the end of a route to another robot; false (and nothing changed) where that does not help.
     fn give_end_away(&mut self, robot: usize, most_s: f64) -> bool {
-        let before = (self.sequences.clone(), self.ends_s.clone());
-        let makespan_s = self.makespan_s();
-        let Some(last) = self.sequences[robot].pop() else { return false };
-        let mut gift = last;
-        if gift.time_s > most_s {
-            let mut pieces = cut(self.instance, gift, most_s);
-            gift = pieces.pop().expect("a stretch is at least one piece");
-            self.sequences[robot].extend(pieces);
-        }
+        let before = (self.sequences[robot].clone(), self.ends_s[robot]);
+        let gift = self.take_end(robot, most_s);
         self.estimate(robot);
-        let helps =
-            self.insert(gift, Some(robot)).is_some_and(|_| self.makespan_s() < makespan_s - 0.05 * most_s);
-        if !helps {
-            (self.sequences, self.ends_s) = before;
+        let taken = self.best_taker(robot, &gift);
+        let taken = taken
+            .filter(|taken| self.ends_s[robot].max(taken.cost_s.0) < before.1 - LEAST_GAIN_SHARE * most_s);
+        let Some(taken) = taken else {
+            (self.sequences[robot], self.ends_s[robot]) = before;
+            return false;
+        };
+        self.sequences[taken.robot].extend(if taken.backwards { backwards(&gift) } else { gift });
+        self.ends_s[taken.robot] = taken.cost_s.0;
+        true
+    }
+
+    /// Cuts the end off a route that takes up to so long, hops within it included.
+    fn take_end(&mut self, robot: usize, most_s: f64) -> Vec<Stretch> {
+        let mut gift: Vec<Stretch> = Vec::new();
+        let mut left_s = most_s;
+        while let Some(last) = self.sequences[robot].pop() {
+            let hop_s = gift.last().map_or(0.0, |next: &Stretch| self.hop_s(last.last(), next.first()));
+            if hop_s + last.time_s <= left_s {
+                left_s -= hop_s + last.time_s;
+                gift.push(last);
+                continue;
+            }
+            let mut pieces = cut(self.instance, last, (left_s - hop_s).max(PIECE_MIN_S));
+            if left_s - hop_s >= PIECE_MIN_S {
+                gift.extend(pieces.pop());
+            }
+            self.sequences[robot].extend(pieces);
+            break;
         }
-        helps
+        gift.reverse();
+        gift
+    }
+
+    /// The robot that would be done soonest with a gift appended to its route; the cost is its end then, and what that
+    /// adds.
+    fn best_taker(&mut self, giver: usize, gift: &[Stretch]) -> Option<Candidate> {
+        let (first, last) = (gift.first()?.first(), gift.last()?.last());
+        let hops_s: f64 = gift.windows(2).map(|pair| self.hop_s(pair[0].last(), pair[1].first())).sum();
+        let gift_s = hops_s + gift.iter().map(|stretch| stretch.time_s).sum::<f64>();
+        let mut candidates: Vec<Candidate> = Vec::new();
+        for robot in (0..self.sequences.len()).filter(|&robot| robot != giver) {
+            let at = self.sequences[robot].len();
+            let from = self.around(robot, at).0;
+            for (backwards, to) in [(false, first), (true, last)] {
+                let added_s = self.hop_s(from, to) + gift_s;
+                let cost_s = (self.ends_s[robot] + added_s, added_s);
+                candidates.push(Candidate { robot, at, backwards, cost_s });
+            }
+        }
+        candidates.sort_by(cheaper);
+        let truly = |candidate: &Candidate| {
+            let from = self.around(candidate.robot, candidate.at).0;
+            let to = if candidate.backwards { last } else { first };
+            let added_s = self.way_s(from, to)? + gift_s;
+            Some(Candidate { cost_s: (self.ends_s[candidate.robot] + added_s, added_s), ..*candidate })
+        };
+        candidates.iter().take(2 * CANDIDATES).filter_map(truly).min_by(cheaper)
     }
 
     /// Joins each robot's stretches by ways.
@@ -446,6 +496,11 @@ impl<'s, 'a> Workshop<'s, 'a> {
         points.dedup_by(|a, b| (*a - *b).norm() < 1e-7);
         Some(Route::new(points))
     }
+}
+
+/// A chain of stretches from its end to its begin.
+fn backwards(chain: &[Stretch]) -> Vec<Stretch> {
+    chain.iter().rev().map(Stretch::reversed).collect()
 }
 
 fn ends(piece: &Stretch, backwards: bool) -> (Point, Point) {

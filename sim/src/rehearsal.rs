@@ -35,6 +35,9 @@ const EPILOGUE: Duration = Duration::from_millis(300);
 /// Between two notes of the covered share.
 const PROGRESS_EVERY_S: f64 = 10.0;
 
+/// Break-offs come when so many times a plan's virtual time has passed.
+const BREAK_OFFS_TAKE: u32 = 4;
+
 /// How to rehearse.
 #[derive(Debug, Clone)]
 pub struct Options {
@@ -364,6 +367,11 @@ impl<'a> Rehearsal<'a> {
                         planning_s,
                     };
                     self.planned.push((self.now() + self.options.planning, answer));
+                }
+                coordinator::Output::BreakOffs(request) => {
+                    let answer =
+                        coordinator::Input::BrokenOff { revision: request.revision, breaks: request.run() };
+                    self.planned.push((self.now() + self.options.planning * BREAK_OFFS_TAKE, answer));
                 }
                 coordinator::Output::Publish(publication) => self.publish(publication),
                 coordinator::Output::Reply(_) => {}
