@@ -35,6 +35,9 @@ const SPECKS_SHARE: f64 = 0.4;
 /// After so many refusals in a row the mission fails.
 const REFUSALS_MAX: u32 = 5;
 
+/// By this share a plan that only shares out anew what is under way has to be better.
+const SHARED_OUT_BETTER_BY: f64 = 0.02;
+
 /// Why the fleet is planned anew.
 #[derive(Debug, Clone)]
 pub(crate) struct Cause {
@@ -536,12 +539,24 @@ impl Coordinator {
         }
         self.state = MissionState::Active;
         match result {
+            Ok(plan) if !self.is_worth_a_stop(&flight, &plan) => self.idle_checks.look_at(now),
             Ok(plan) => self.apply(now, &flight, &plan, planning_s, out),
             Err(error) if flight.planner != FALLBACK && !keeps_to_lattice(&flight.planner) => {
                 self.fall_back(now, flight, &error);
             }
             Err(error) => self.plan_refused(now, &error),
         }
+    }
+
+    /// Each change of routes costs the fleet a stop: a plan that was asked for only to share out what is under way anyhow
+    /// has to be better by a margin.
+    fn is_worth_a_stop(&mut self, flight: &InFlight, plan: &VerifiedPlan) -> bool {
+        if flight.causes.iter().any(|cause| cause.kind != ReplanCause::CauseFinishedEarly) {
+            return true;
+        }
+        self.estimate_remaining();
+        let before_s = flight.robots.iter().map(|&robot| self.robots[robot].remaining_s).fold(0.0, f64::max);
+        plan.figures().makespan_s < (1.0 - SHARED_OUT_BETTER_BY) * before_s
     }
 
     /// The mission's planner cannot plan this: another one does, at once.

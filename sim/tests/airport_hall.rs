@@ -128,6 +128,20 @@ fn assert_well(scenario: Scenario, expected: &Expected) {
     assert!((1.0..=3.5).contains(&charges_each), "each robot charges {charges_each:.1} times a day");
 }
 
+/// A robot that charges keeps its work and the others go on with theirs: charging costs the time at the chargers and the
+/// ways there, not the balance of the fleet.
+#[test]
+fn without_people_charging_costs_little_more_than_its_own_time() {
+    let mut scenario = hall();
+    scenario.file.faults.clear();
+    let outcome = play(&Arc::new(scenario), 1);
+    let result = outcome.result.clone().expect("it ends");
+    assert_eq!((result.mission_state(), outcome.contacts), (MissionState::Completed, 0));
+    assert!(count(&outcome, "where the plan goes to charge") > 0, "{}", outcome.transcript.text());
+    let (took_s, planned_s) = (result.duration_s, result.planned_makespan_s);
+    assert!(took_s < 1.35 * planned_s, "{took_s} s, planned {planned_s} s without charging");
+}
+
 #[test]
 fn among_people_all_but_the_ground_under_standing_queues_is_covered() {
     let state = MissionState::CompletedWithGaps;

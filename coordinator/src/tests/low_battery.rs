@@ -1,5 +1,7 @@
 use super::Story;
+use crate::{ChosenBreak, Input};
 use protocol::v1::{self, EndAction};
+use terrain::{Cell, Point};
 
 #[test]
 fn a_robot_with_a_low_battery_goes_to_the_station_and_its_work_to_the_other() {
@@ -11,7 +13,66 @@ fn a_robot_with_a_low_battery_goes_to_the_station_and_its_work_to_the_other() {
     assert!(story.says("LOW BATTERY"));
     let order = &story.orders.iter().rev().find(|(robot, _)| robot == "r2").unwrap().1;
     assert_eq!((order.end_action(), order.station_id.as_str()), (EndAction::StartCharging, "s1"));
-    assert_eq!(story.plans.last().unwrap().starts.len(), 1);
+    let plan = story.plans.last().unwrap();
+    let later: Vec<bool> = plan.starts.iter().map(|start| start.available_in_s > 100.0).collect();
+    assert_eq!(later, [false, true], "who charges is back later");
+    assert!(plan.run().unwrap().routes()[1].points.is_empty(), "all is done before that");
+}
+
+/// It is granted no ground behind the break, goes to the station, and keeps the rest; others may have it when it is lost.
+#[test]
+fn a_route_is_broken_off_where_it_was_chosen_and_the_rest_waits_for_its_robot() {
+    let mut story = Story::begin();
+    story.answer();
+    let (revision, robot) = (story.plans.last().unwrap().revision, 1);
+    let line = story.coordinator.line_ahead(robot);
+    let ahead_m = line[2..].windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
+    story.feed(Input::BrokenOff { revision, breaks: vec![ChosenBreak { robot, station: 0, ahead_m }] });
+    story.run(0.5, &[0, 1]);
+    let charging = |(robot, order): &&(String, v1::Order)| {
+        robot == "r2" && order.end_action() == EndAction::StartCharging
+    };
+    assert!(story.orders.iter().any(|sent| charging(&sent)), "{:?}", story.events);
+    let kept: Vec<Point> = story.coordinator.places_ahead(robot).iter().map(|place| place.point).collect();
+    assert_eq!(kept, line[2..]);
+    assert!(story.coordinator.will_resume(robot));
+    story.run(5.0, &[0]);
+    story.answer();
+    story.run(1.0, &[0]);
+    assert!(!story.coordinator.will_resume(robot) && story.coordinator.places_ahead(robot).is_empty());
+    let plan = story.plans.last().unwrap();
+    let rest = |cells: &Vec<Cell>| {
+        kept[1..].iter().all(|&place| cells.contains(&plan.floor.lattice().cell_at(place).unwrap()))
+    };
+    assert!(plan.starts.len() == 1 && plan.orphans.iter().any(rest), "{:?}", plan.orphans);
+}
+
+/// A choice for an older plan is not kept.
+#[test]
+fn a_break_for_an_older_plan_is_dropped() {
+    let mut story = Story::begin();
+    story.answer();
+    let revision = story.plans.last().unwrap().revision;
+    let breaks = vec![ChosenBreak { robot: 1, station: 0, ahead_m: 1.0 }];
+    story.feed(Input::BrokenOff { revision: revision + 1, breaks });
+    assert!(story.coordinator.robots[1].break_off.is_none());
+}
+
+#[test]
+fn breaks_are_chosen_when_a_charge_does_not_last() {
+    let drains = |drive_w_per_m_per_s: f64| v1::EnergyModel {
+        capacity_wh: 1.0,
+        drive_w_per_m_per_s,
+        ..v1::EnergyModel::default()
+    };
+    let asked = |model: &v1::EnergyModel| {
+        let mut story = Story::begin_with(model);
+        story.answer();
+        story.break_offs.pop().map(|request| request.run())
+    };
+    assert_eq!(asked(&drains(1.0)), None);
+    let breaks = asked(&drains(36.0 * 12.0)).expect("12 percent a metre");
+    assert!(breaks.iter().any(|chosen| chosen.station == 0 && chosen.ahead_m > 0.0), "{breaks:?}");
 }
 
 #[test]
