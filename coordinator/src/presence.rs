@@ -302,6 +302,8 @@ impl Coordinator {
                 }
                 Phase::Suspect => self.check_lost(now, index),
                 Phase::Lost => self.check_quarantine(now, index),
+                // It said where it stands before it could join: there is somebody on the floor.
+                Phase::Joining if self.robots[index].state.is_some() => self.check_silence(now, index),
                 Phase::Offline | Phase::Joining => {}
             }
         }

@@ -1,4 +1,5 @@
 use super::Story;
+use crate::Input;
 
 #[test]
 fn a_silent_robot_gives_its_horizon_away_and_keeps_its_ground_until_the_lease_is_over() {
@@ -21,7 +22,7 @@ fn a_silent_robot_gives_its_horizon_away_and_keeps_its_ground_until_the_lease_is
 #[test]
 fn a_dropped_token_is_noticed_sooner_than_silence() {
     let mut story = Story::under_way();
-    story.feed(crate::Input::Gone { robot: "r2".to_owned(), boot_id: 102 });
+    story.feed(Input::Gone { robot: "r2".to_owned(), boot_id: 102 });
     story.run(0.3, &[0]);
     assert!(story.says("SUSPECT"));
 }
@@ -47,4 +48,18 @@ fn no_ground_is_ever_held_by_two() {
             assert!(a.distance(b) >= separation, "{a:?} {b:?}");
         }
     }
+}
+
+#[test]
+fn a_robot_that_falls_silent_before_it_could_join_stands_there_until_somebody_sees_its_ground_free() {
+    let mut story = Story::begin();
+    story.feed(Input::Alive { robot: "r3".to_owned(), boot_id: 102 });
+    let mut state = super::state("r3", 1.25, 1.25);
+    state.header.as_mut().unwrap().header_id = 1;
+    story.feed(Input::State(Box::new(state)));
+    story.run(0.3, &[0, 1]);
+    assert!(!story.says("SUSPECT"));
+    story.run(3.0, &[0, 1]);
+    assert!(story.says("SUSPECT") && story.says("QUARANTINE"));
+    assert!(story.coordinator.robots[2].held.is_empty());
 }
