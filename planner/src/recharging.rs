@@ -97,7 +97,7 @@ fn broken_off<'a>(
     let mut first = |Endurance { robot, battery, points }: &Endurance| {
         let is_driven = points.len() > 1;
         let line = is_driven.then(|| Line::new(instance, *robot, points, homeward, &mut work))?;
-        line.first_break_off(battery).ok().flatten()
+        line.first_break_off(battery)
     };
     routes.iter().map(&mut first).collect()
 }

@@ -57,23 +57,23 @@ impl<'a> Line<'a> {
     /// The route with its charges. What the places tell is exact but for bends that are driven through, which may take a
     /// little longer than a stop to turn: then breaks are chosen again with more to spare.
     pub(super) fn charged(&self, battery: &Battery) -> Result<Route, PlanError> {
-        Ok(self.broken_off(battery)?.1)
+        self.broken_off(battery).map(|(_, route)| route).map_err(|found| self.out_of_range(battery, found))
     }
 
-    /// The first break of that route.
-    pub(super) fn first_break_off(&self, battery: &Battery) -> Result<Option<FirstBreakOff>, PlanError> {
+    /// The first break of that route; `None` where none is needed, or none helps.
+    pub(super) fn first_break_off(&self, battery: &Battery) -> Option<FirstBreakOff> {
         let ahead_m =
             |place: usize| self.points[place..].windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
-        let first = self.broken_off(battery)?.0.into_iter().next();
-        Ok(first.map(|Break { place, station }| FirstBreakOff { ahead_m: ahead_m(place), station }))
+        let Break { place, station } = self.broken_off(battery).ok()?.0.into_iter().next()?;
+        Some(FirstBreakOff { ahead_m: ahead_m(place), station })
     }
 
-    fn broken_off(&self, battery: &Battery) -> Result<(Vec<Break>, Route), PlanError> {
+    fn broken_off(&self, battery: &Battery) -> Result<(Vec<Break>, Route), OutOfRange> {
         let mut spare_s = 0.0;
         let mut tried = 0;
         loop {
             let tour = self.tour(battery, spare_s);
-            let breaks = tour.breaks(battery.break_off).map_err(|found| self.out_of_range(battery, found))?;
+            let breaks = tour.breaks(battery.break_off)?;
             let route = self.route(&breaks, &tour);
             let over_s = self.over_s(battery, &route);
             tried += 1;
