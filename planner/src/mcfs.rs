@@ -68,8 +68,10 @@ use tracks::Track;
 use walls::Walls;
 use web::Web;
 
-/// Strips narrower than this share of the tool's width are left to the smoothing.
+/// Strips narrower than this share of the tool's width are left to the smoothing;
 const LEAST_STRIP: f64 = 0.6;
+/// on small ground those narrower than this are, too: a track of their own costs more way, and turns less.
+const NARROW_STRIP: f64 = 0.5;
 /// What ground is worth when all is to be swept. The last half percent costs most turning for its ground.
 const FULL_GROUND: GroundWorth = GroundWorth {
     before: 10.0,
@@ -100,7 +102,8 @@ pub struct McfsOptions {
     pub rounds: usize,
     /// How often shares are evened out anew by the lengths of the smoothed lines.
     pub corrections: usize,
-    /// On small ground the first share is cut off at so many places in turn, and the best plan is taken.
+    /// On small ground so many plans are made, and the best is taken: the first share is cut off at one place after the
+    /// other, and the last plan has tracks on narrower strips.
     pub attempts: usize,
     /// The paper's own pipeline in place of ours, on floors with a map; it knows no coverage target.
     pub paper: Option<crate::isograph::SpiralOptions>,
@@ -183,10 +186,21 @@ impl Cover {
 
 /// Sweeps all that can be swept; `None` when there is no track.
 fn whole(instance: &PolygonInstance, options: &McfsOptions) -> Option<Cover> {
-    let mut tracks = tracks::tracks(instance, tracks::first_distance_m(instance));
-    let strips = tracks::strips(instance, &tracks, LEAST_STRIP);
-    tracks.extend(strips);
-    lines_along(instance, options, &tracks, &FULL_GROUND)
+    let tracks = tracks::tracks(instance, tracks::first_distance_m(instance));
+    let with_strips = |least: f64| [tracks.clone(), tracks::strips(instance, &tracks, least)].concat();
+    let first = with_strips(LEAST_STRIP);
+    let joined = Joined::new(instance, &first, &FULL_GROUND)?;
+    let attempts = joined.attempts(options);
+    if attempts == 1 {
+        return joined.best_cover(options, 1);
+    }
+    let narrow = with_strips(NARROW_STRIP);
+    let length_m = |tracks: &[Track]| tracks.iter().map(Track::length_m).sum::<f64>();
+    let is_new = length_m(&narrow) != length_m(&first);
+    let other = is_new.then(|| Joined::new(instance, &narrow, &FULL_GROUND)?.best_cover(options, 1));
+    let covers =
+        joined.best_cover(options, attempts - usize::from(is_new)).into_iter().chain(other.flatten());
+    covers.min_by(|a, b| joined.compare(a, b))
 }
 
 /// Joins tracks, shares them out and smooths them.
@@ -196,27 +210,61 @@ fn lines_along(
     tracks: &[Track],
     worth: &GroundWorth,
 ) -> Option<Cover> {
-    if tracks.is_empty() {
-        return None;
+    let joined = Joined::new(instance, tracks, worth)?;
+    joined.best_cover(options, joined.attempts(options))
+}
+
+/// Tracks that were joined and smoothed, with the drives of all robots to them.
+struct Joined<'a> {
+    instance: &'a PolygonInstance,
+    worth: &'a GroundWorth,
+    walls: Walls,
+    web: Web,
+    neighbours: Neighbours,
+    drives: Vec<Option<Drives>>,
+}
+
+impl<'a> Joined<'a> {
+    /// `None` when there is no track.
+    fn new(instance: &'a PolygonInstance, tracks: &[Track], worth: &'a GroundWorth) -> Option<Self> {
+        if tracks.is_empty() {
+            return None;
+        }
+        let walls = Walls::new(instance);
+        let mut web = Web::new(tracks, instance.tool_width_m);
+        joining::join(&mut web, &walls);
+        let web = Web::new(&smooth_tours(instance, &web, &walls, worth), instance.tool_width_m);
+        let neighbours = Neighbours::new(&web, &walls);
+        let drives =
+            instance.starts.iter().map(|&start| Drives::new(&web, &neighbours, &walls, start)).collect();
+        Some(Self { instance, worth, walls, web, neighbours, drives })
     }
-    let walls = Walls::new(instance);
-    let mut web = Web::new(tracks, instance.tool_width_m);
-    joining::join(&mut web, &walls);
-    let web = Web::new(&smooth_tours(instance, &web, &walls, worth), instance.tool_width_m);
-    let neighbours = Neighbours::new(&web, &walls);
-    let drives: Vec<Option<Drives>> =
-        instance.starts.iter().map(|&start| Drives::new(&web, &neighbours, &walls, start)).collect();
-    let attempts =
-        (ATTEMPTS_WORK / (web.len() * instance.starts.len()).max(1)).clamp(1, options.attempts.max(1));
-    let covers = (0..attempts).map(|rank| {
-        let mut web = web.clone();
-        let corrections_m = vec![0.0; instance.starts.len()];
-        let mut sharing =
-            Sharing { web: &mut web, walls: &walls, neighbours: &neighbours, drives: &drives, corrections_m };
-        let shares = peeled(&mut sharing, rank);
-        evened_out(instance, options, &mut sharing, shares, worth)
-    });
-    covers.min_by(|a, b| a.cost_m(instance, worth).total_cmp(&b.cost_m(instance, worth)))
+
+    /// How many plans the ground is small enough for.
+    fn attempts(&self, options: &McfsOptions) -> usize {
+        (ATTEMPTS_WORK / (self.web.len() * self.drives.len()).max(1)).clamp(1, options.attempts.max(1))
+    }
+
+    /// The best of so many covers.
+    fn best_cover(&self, options: &McfsOptions, attempts: usize) -> Option<Cover> {
+        let covers = (0..attempts).map(|rank| {
+            let mut web = self.web.clone();
+            let mut sharing = Sharing {
+                web: &mut web,
+                walls: &self.walls,
+                neighbours: &self.neighbours,
+                drives: &self.drives,
+                corrections_m: vec![0.0; self.drives.len()],
+            };
+            let shares = peeled(&mut sharing, rank);
+            evened_out(self.instance, options, &mut sharing, shares, self.worth)
+        });
+        covers.min_by(|a, b| self.compare(a, b))
+    }
+
+    fn compare(&self, one: &Cover, other: &Cover) -> std::cmp::Ordering {
+        one.cost_m(self.instance, self.worth).total_cmp(&other.cost_m(self.instance, self.worth))
+    }
 }
 
 /// First shares of every closed line, among the robots that reach it.
