@@ -195,8 +195,7 @@ fn whole(instance: &PolygonInstance, options: &McfsOptions) -> Option<Cover> {
         return joined.best_cover(options, 1);
     }
     let narrow = with_strips(NARROW_STRIP);
-    let length_m = |tracks: &[Track]| tracks.iter().map(Track::length_m).sum::<f64>();
-    let is_new = length_m(&narrow) != length_m(&first);
+    let is_new = narrow != first;
     let other = is_new.then(|| Joined::new(instance, &narrow, &FULL_GROUND)?.best_cover(options, 1));
     let covers =
         joined.best_cover(options, attempts - usize::from(is_new)).into_iter().chain(other.flatten());

@@ -20,7 +20,7 @@ const DEPTH_MAX: usize = 10_000;
 const SEAM: f64 = 0.04;
 
 /// A closed line; its first corner is not repeated.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Track {
     /// Number from the walls inwards.
     pub(super) depth: usize,
