@@ -216,8 +216,10 @@ impl<'a> ConfigurationSpace<'a> {
     fn keeps_to_open_cells(&self, segment: Segment) -> bool {
         let (lattice, floor) = (self.instance.floor.lattice(), self.instance.floor);
         let ends_inside = lattice.cell_at(segment.from).is_some() && lattice.cell_at(segment.to).is_some();
-        let low = Point::from(segment.from.coords.inf(&segment.to.coords));
-        let high = Point::from(segment.from.coords.sup(&segment.to.coords));
+        // On a line of the lattice but for rounding, the cells on either side may be meant.
+        let rim = Vector::repeat(TANGENT_M);
+        let low = Point::from(segment.from.coords.inf(&segment.to.coords)) - rim;
+        let high = Point::from(segment.from.coords.sup(&segment.to.coords)) + rim;
         if floor.map().is_some() && !self.blocked.any_in_box(lattice, low, high) {
             return ends_inside;
         }

@@ -98,13 +98,14 @@ impl ToolLattice {
                 let count: usize = rows.clone().map(in_row).sum();
                 self.is_in.push(count as f64 >= least);
                 let (right, up) = (columns.end, rows.end);
-                // Joined to the next square where ground goes on across its first column or row.
+                // Joined to the next square where ground goes on across its first column or row; a square beyond the
+                // last of the samples has none.
                 let joined = &mut self.joined[row * self.columns + column];
                 joined[0] = column + 1 < self.columns
-                    && right > 0
+                    && (1..samples.columns as usize).contains(&right)
                     && rows.clone().any(|row| is_left(right - 1, row) && is_left(right, row));
                 joined[1] = row + 1 < self.rows
-                    && up > 0
+                    && (1..samples.rows as usize).contains(&up)
                     && columns.clone().any(|column| is_left(column, up - 1) && is_left(column, up));
             }
         }

@@ -5,6 +5,8 @@ use std::ops::RangeInclusive;
 
 /// Ends of a segment that differ by less are at the same place along an axis, metres.
 const PARALLEL_M: f64 = 1e-9;
+/// What is nearer to a line of the lattice counts as on it, cells; it is taken to be so far beyond it.
+const ON_LINE: f64 = 1e-8;
 
 /// Square cells over the map: cell (0, 0) has its lower left corner at `origin`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -78,9 +80,10 @@ impl Lattice {
     pub fn cells_along(&self, segment: Segment) -> Vec<Cell> {
         let way = segment.to - segment.from;
         let mut shares = vec![0.0, 1.0];
-        // What is parallel to lines but for rounding stays on its side of them, whichever end it begins at.
+        // What is parallel to lines but for rounding stays on its side of them, whichever end it begins at; what runs
+        // along a line but for rounding does, too, whatever part of it is asked for.
         let is_parallel = |axis: usize| way[axis].abs() < PARALLEL_M;
-        let middle = nalgebra::center(&segment.from, &segment.to);
+        let middle = self.off_lines(nalgebra::center(&segment.from, &segment.to));
         let point = |share: f64| {
             let on_way = segment.from + way * share;
             Point::from([0, 1].map(|axis| if is_parallel(axis) { middle[axis] } else { on_way[axis] }))
@@ -103,6 +106,15 @@ impl Lattice {
             .collect();
         cells.dedup();
         cells
+    }
+
+    /// A point; where it is on lines of the lattice but for rounding, a little beyond them.
+    fn off_lines(&self, point: Point) -> Point {
+        Point::from([0, 1].map(|axis| {
+            let line = (point[axis] - self.origin[axis]) / self.cell_m;
+            let is_on = (line - line.round()).abs() < ON_LINE;
+            if is_on { self.origin[axis] + (line.round() + ON_LINE) * self.cell_m } else { point[axis] }
+        }))
     }
 
     /// The side of a cell towards a neighbour, in the frame of the map, metres; the cell may lie outside the lattice.
@@ -150,6 +162,16 @@ mod tests {
             down.reverse();
             assert_eq!(up, down, "{end}");
             assert!(up.len() == 4 && up.iter().all(|cell| cell.0 == up[0].0), "{end}: {up:?}");
+        }
+    }
+
+    /// A lane along a line was free in parts and not as a whole: `what_is_left_of_random_floors_is_swept` of the planner.
+    #[test]
+    fn parts_of_a_segment_on_a_line_but_for_rounding_lie_on_the_side_of_the_whole() {
+        let ys = [0.5, 0.499_999_999_999_999_9, 0.500_000_000_000_000_1];
+        for (from, to) in ys.iter().flat_map(|&from| ys.map(|to| (from, to))) {
+            let cells = along((-0.9, from), (0.6, to));
+            assert_eq!(cells, [(0, 1), (1, 1), (2, 1), (3, 1)], "{from} {to}");
         }
     }
 

@@ -55,7 +55,8 @@ impl ConfigurationSpace<'_> {
         let mut before: Option<Cell> = None;
         for (from_m, to_m) in pieces(segment, lattice.origin, lattice.cell_m) {
             let at = |way_m: f64| segment.from + (segment.to - segment.from) * (way_m / length_m);
-            let cell = lattice.cell_at(at(f64::midpoint(from_m, to_m)));
+            // On a line of the lattice but for rounding it is on the side that verify takes it to be on.
+            let cell = lattice.cells_along(Segment::new(at(from_m), at(to_m))).first().copied();
             // Without a map the sides of cells may be walls: those across are looked at below, these are beside the line.
             let inner = || Segment::new(at(from_m + margin_m), at(to_m - margin_m));
             let open = cell.is_some_and(|cell| self.cell_is_open(cell))
