@@ -52,11 +52,17 @@ impl Smoothing<'_> {
     fn sweep(&mut self, line: &mut Vec<Point>, quiet: &mut Vec<bool>) -> bool {
         let mut changed = false;
         let mut at = 0;
+        // What the turns at the points count for: each is asked for from all points before it.
+        let mut turns: Vec<f64> = (0..line.len()).map(|at| turn_at(line, at)).collect();
         while at + 2 < line.len() {
             if !quiet[at] {
-                let best = self.shortcuts(line, at).into_iter().find(|shortcut| self.try_out(line, shortcut));
+                let shortcuts = self.shortcuts(line, &turns, at);
+                let best = shortcuts.into_iter().find(|shortcut| self.try_out(line, shortcut));
                 quiet[at] = best.is_none();
                 if let Some(best) = best {
+                    turns.splice(best.from + 1..best.to, best.corner.map(|_| 0.0));
+                    let end = (best.from + 2 + usize::from(best.corner.is_some())).min(line.len());
+                    (best.from..end).for_each(|at| turns[at] = turn_at(line, at));
                     quiet.splice(best.from + 1..best.to, best.corner.map(|_| false));
                     let last = (at + STRETCHES[0] + 1).min(quiet.len() - 1);
                     quiet[at.saturating_sub(LONGEST)..=last].fill(false);
@@ -69,14 +75,14 @@ impl Smoothing<'_> {
     }
 
     /// What may stand in for the points after one, nothing or one corner: the most way and turning saved first.
-    fn shortcuts(&self, line: &[Point], from: usize) -> Vec<Shortcut> {
+    fn shortcuts(&self, line: &[Point], turns: &[f64], from: usize) -> Vec<Shortcut> {
         let turn_m = self.turn_worth * self.width_m;
         let mut shortcuts = Vec::new();
         // Way and turning of the points so far, up to and with the turn at the last of them.
-        let mut old_m = turn_at(line, from) * turn_m;
+        let mut old_m = turns[from] * turn_m;
         let mut tried = STRETCHES.iter().peekable();
         for to in from + 1..line.len() {
-            old_m += (line[to] - line[to - 1]).norm() + turn_at(line, to) * turn_m;
+            old_m += (line[to] - line[to - 1]).norm() + turns[to] * turn_m;
             let Some(&&count) = tried.peek() else { break };
             if to != from + count + 1 {
                 continue;
