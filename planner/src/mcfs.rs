@@ -68,9 +68,9 @@ use tracks::Track;
 use walls::Walls;
 use web::Web;
 
-/// Strips narrower than this share of the tool's width are left to the smoothing;
+/// Strips narrower than this share of the tool's width get no track of their own: the smoothing sweeps them.
 const LEAST_STRIP: f64 = 0.6;
-/// on small ground those narrower than this are, too: a track of their own costs more way, and turns less.
+/// The same for the last attempt on small ground: with a track on narrower strips, lines are longer and turn less.
 const NARROW_STRIP: f64 = 0.5;
 /// What ground is worth when all is to be swept. The last half percent costs most turning for its ground.
 const FULL_GROUND: GroundWorth = GroundWorth {

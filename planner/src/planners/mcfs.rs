@@ -1,7 +1,8 @@
 //! `mcfs` on a floor with a map: its free ground as polygons, covered by smooth lines.
 //!
-//! The polygons are those of [`crate::mcfs`]. What the lines leave (passages narrower than the tool, corners) is
-//! visited along the lattice: a detour from the nearest route, out and back.
+//! The polygons are those of [`crate::mcfs`]. What the lines leave (passages narrower than the tool, corners) gets lanes,
+//! dealt out among the robots. Where part of the ground is swept or left out, lanes are all of the plan: closed lines
+//! over ground that is all rims take longer.
 
 use super::boustrophedon_lanes;
 use super::mcfs_rest::with_rest;
@@ -22,6 +23,9 @@ pub(crate) fn plan(instance: &Instance<'_>, options: &PlanOptions) -> Result<Pla
         return Err(refused("ground of different speeds is not known to smooth lines"));
     }
     if !is_whole(instance) {
+        if options.mcfs.paper.is_some() {
+            return Err(refused("the paper's pipeline covers whole floors only; leave its options out"));
+        }
         return boustrophedon_lanes::plan(instance, options);
     }
     let places: Vec<Point> = instance.starts.iter().map(|start| instance.place(start)).collect();
@@ -31,7 +35,7 @@ pub(crate) fn plan(instance: &Instance<'_>, options: &PlanOptions) -> Result<Pla
         cover_part(instance, part, &places, options, &mut routes)?;
     }
     if instance.mode == Mode::Cover {
-        // No need to come back: what this leaves is visited below.
+        // No need to come back: what this leaves gets lanes below.
         routes.iter_mut().filter(|route| route.points.len() > 2).for_each(|route| {
             route.points.pop();
         });
@@ -232,6 +236,12 @@ mod tests {
             let refused = planned(&instance, &options());
             assert!(matches!(refused, Err(PlanError::Unsupported { planner: "mcfs", .. })), "{refused:?}");
         }
+        let mut in_part = instance(&floor, Mode::Cover);
+        let first = in_part.visit.iter().position(|&visit| visit).unwrap();
+        in_part.visit[first] = false;
+        let paper = crate::mcfs::McfsOptions { paper: Some(SpiralOptions::default()), ..Default::default() };
+        let refused = planned(&in_part, &PlanOptions { mcfs: paper, ..options() });
+        assert!(matches!(refused, Err(PlanError::Unsupported { planner: "mcfs", .. })), "{refused:?}");
     }
 
     fn random_remainders() -> ProptestConfig {
